@@ -21,9 +21,9 @@ constexpr std::size_t stability_numbers = 4;  // of central differences
 /// The vectors of a checkpoint, const or not, under their names in the file.
 template <class C>
 auto vectors_of(C& c) {
-  return std::array{std::pair{"displacement", &c.displacement}, std::pair{"velocity", &c.velocity},
-                    std::pair{"acceleration", &c.acceleration}, std::pair{"previous", &c.previous},
-                    std::pair{"stiffest_mode", &c.stiffest}};
+  return std::array{std::pair{"displacement", &c.displacement},           std::pair{"velocity", &c.velocity},
+                    std::pair{"acceleration", &c.acceleration},           std::pair{"previous", &c.previous},
+                    std::pair{"previous_velocity", &c.previous_velocity}, std::pair{"stiffest_mode", &c.stiffest}};
 }
 
 /// Rest corners, empty where the positions are the rest shape.
@@ -103,6 +103,7 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
     file.dataset("slips", H5T_NATIVE_DOUBLE, 1, c.slips.size(), c.slips.data());
   }
   if (!c.stability.empty()) file.dataset("stability", H5T_NATIVE_DOUBLE, 1, c.stability.size(), c.stability.data());
+  if (!c.step_start.empty()) file.dataset("step_start", H5T_NATIVE_DOUBLE, 1, c.step_start.size(), c.step_start.data());
   if (!c.path.empty()) file.dataset("path", H5T_NATIVE_DOUBLE, 1, c.path.size(), c.path.data());
   file.number("/", "anchors_count", static_cast<double>(c.anchors.size()));
   file.finish();
@@ -231,6 +232,9 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   for (const double number : c.stability)
     if (!(number > 0.0 && std::isfinite(number) && c.stability[1] < 1e6 && c.stability[2] < 1e6))
       fail_reading(path, "its memory of central differences makes no sense");
+  if (has(file, "step_start")) c.step_start = read_values(file, "step_start", 2, path);
+  for (const double number : c.step_start)
+    if (!std::isfinite(number) || !(c.step_start[1] > 0.0)) fail_reading(path, "its last step makes no sense");
   if (has(file, "path")) c.path = read_values(file, "path", path_numbers, path);
   for (const double number : c.path)
     if (!std::isfinite(number) || std::abs(c.path[0]) > 1e9 || std::abs(c.path[3]) > 1e9)

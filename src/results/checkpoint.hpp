@@ -14,10 +14,13 @@ struct Checkpoint {
   double time = 0.0, next_step = 0.0;  ///< [s]
   double load_factor = 0.0;
   bool in_equilibrium = true;
-  std::vector<double> displacement{};  ///< [m]; empty: none
-  std::vector<double> velocity{};      ///< [m/s]; empty: at rest
-  std::vector<double> acceleration{};  ///< [m/s^2]; empty: to be found from the equations
-  std::vector<double> previous{};      ///< displacement one step before [m]; empty: a path begins here
+  std::vector<double> displacement{};       ///< [m]; empty: none
+  std::vector<double> velocity{};           ///< [m/s]; empty: at rest
+  std::vector<double> acceleration{};       ///< [m/s^2]; empty: to be found from the equations
+  std::vector<double> previous{};           ///< displacement one step before [m]; empty: a path begins here
+  std::vector<double> previous_velocity{};  ///< of a motion [m/s]; empty: none
+  std::vector<double>
+      step_start{};  ///< time and size of its last step (system::StepStart), whose start is `previous`; empty: none
   /// Smallest gap of each vertex where contact is let out from, and since when; empty: nothing is let out.
   std::vector<double> contact_gaps{};  ///< [m]
   double contact_start = 0.0;          ///< [s]

@@ -11,8 +11,8 @@ namespace voile::simulation {
 namespace {
 
 /// The vectors of a state whose unknowns of rigid bodies are kept, in this order; each may be null.
-std::array<Vec, 4> vectors_of(const system::State& s) {
-  return {s.u, s.v, s.a, s.previous};
+std::array<Vec, 5> vectors_of(const system::State& s) {
+  return {s.u, s.v, s.a, s.last.u ? s.last.u : s.previous, s.last.v};
 }
 
 std::vector<double> bodies_of(const system::State& s, const system::Dofs& dofs) {
@@ -29,7 +29,8 @@ void take_bodies(const results::Checkpoint& c, const system::Dofs& dofs, const s
   if (each == 0) return;
   const double found = mpi::max(dofs.comm(), static_cast<double>(c.bodies.size()));
   const bool begins = mpi::max(dofs.comm(), c.displacement.empty() ? 0.0 : 1.0) == 0.0;
-  if (!begins && found != static_cast<double>(4 * each))
+  // Older files have no velocities one step before.
+  if (!begins && found != static_cast<double>(4 * each) && found != static_cast<double>(5 * each))
     throw UserError(
         "the state to continue from has other [[rigid]] groups than the case; give the same ones, and a checkpoint.h5");
   if (begins) {  // with the velocities that the case gives
@@ -38,8 +39,8 @@ void take_bodies(const results::Checkpoint& c, const system::Dofs& dofs, const s
     if (s.v) dofs.scatter_bodies(rates, s.v);
     return;
   }
-  const std::array<Vec, 4> vectors = vectors_of(s);
-  for (std::size_t k = 0; k < vectors.size(); ++k) {
+  const std::array<Vec, 5> vectors = vectors_of(s);
+  for (std::size_t k = 0; static_cast<double>((k + 1) * each) <= found; ++k) {
     std::vector<double> own;
     if (!c.bodies.empty()) own.assign(&c.bodies[k * each], &c.bodies[k * each] + each);
     if (vectors[k]) dofs.scatter_bodies(own, vectors[k]);
@@ -83,6 +84,16 @@ results::Checkpoint gather(const system::State& s, const system::Model& model) {
   return c;
 }
 
+results::Checkpoint gather_whole(const system::State& s, const system::Model& model) {
+  results::Checkpoint c = gather(s, model);
+  c.couplings = model.couplings();
+  if (!s.last.u) return c;
+  c.previous = model.dofs().gather(s.last.u);
+  c.previous_velocity = model.dofs().gather_change(s.last.v);
+  c.step_start = {s.last.time, s.last.size};
+  return c;
+}
+
 system::State scatter(const results::Checkpoint& c, const system::Dofs& dofs) {
   system::State s;
   s.step = c.step;
@@ -106,7 +117,14 @@ system::State scatter(const results::Checkpoint& c, const system::Dofs& dofs) {
   take(c.displacement, s.u);
   take(c.velocity, s.v);
   take(c.acceleration, s.a);
-  take(c.previous, s.previous);
+  const bool in_motion = c.step_start.size() == 2;
+  take(c.previous, in_motion ? s.last.u : s.previous);
+  if (in_motion) {
+    take(c.previous_velocity, s.last.v);
+    s.last.time = c.step_start[0];
+    s.last.size = c.step_start[1];
+    if (!s.last.u || !s.last.v) s.last = {};
+  }
   take(c.stiffest, s.stiffest);
   take_bodies(c, dofs, s);
   return s;
@@ -128,8 +146,7 @@ void Checkpoints::after_step(const system::State& s, const system::Model& model,
 
 void Checkpoints::write(const system::State& s, const system::Model& model) {
   if (file_.empty()) return;
-  results::Checkpoint c = gather(s, model);
-  c.couplings = model.couplings();
+  const results::Checkpoint c = gather_whole(s, model);
   mpi::on_root(model.dofs().comm(), [&] { results::write_checkpoint(file_, c, model.dofs().mesh()); });
   last_ = Clock::now();
 }

@@ -68,6 +68,7 @@ void check_size(const record::RunOptions& options, const results::Checkpoint& s,
   };
   check("displacement", "m", s.displacement, most);
   check("displacement", "m", s.previous, most);
+  check("velocity", "m/s", s.previous_velocity, most_per_s);
   check("velocity", "m/s", s.velocity, most_per_s);
   check("acceleration", "m/s^2", s.acceleration, most_per_s2);
 }
@@ -84,7 +85,8 @@ void begin_anew(const input::Case& c, results::Checkpoint& s) {
     s.velocity.clear();
     s.energy_balance.clear();
   }
-  if (moves || in_time || c.analysis == "drape") s.previous.clear();
+  if (moves != in_time) s.step_start.clear();
+  if (s.step_start.empty() && (moves || in_time || c.analysis == "drape")) s.previous.clear();
   if (s.previous.empty()) s.path.clear();
   if (!s.path.empty()) s.path.front() = 0.0;  // `max_steps` counts anew
   if (c.analysis != "drape") return;
@@ -254,6 +256,7 @@ results::Checkpoint read_start(const input::Case& c, const record::RunOptions& o
   mpi::broadcast(options.comm, start.energy_balance);
   mpi::broadcast(options.comm, start.path);
   mpi::broadcast(options.comm, start.stability);
+  mpi::broadcast(options.comm, start.step_start);
   return start;
 }
 
@@ -266,6 +269,7 @@ void enter_stage(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& m
     state.acceleration.clear();  // other supports and loads act
     results::forget_stability(state);
     state.previous.clear();
+    state.step_start.clear();
     state.path.clear();
     state.energy_balance.clear();
     if (c.analysis != "dynamic" && c.analysis != "drape") {

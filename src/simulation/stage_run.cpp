@@ -182,9 +182,7 @@ void StageRun::apply_forces() {
 }
 
 StageRun::Saved StageRun::save() const {
-  Saved s{mesh_, gather(epoch_->state(), epoch_->model()), all_, recorder_.history().rows.size(), done_, forces_};
-  s.state.couplings = epoch_->model().couplings();
-  return s;
+  return {mesh_, gather_whole(epoch_->state(), epoch_->model()), all_, recorder_.history().rows.size(), done_, forces_};
 }
 
 void StageRun::restore(const Saved& saved) {

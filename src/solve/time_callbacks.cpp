@@ -108,6 +108,13 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
     n.dynamics.set_time(t);
     n.dynamics.start_step(x, v, step);
     VOILE_PETSC(VecCopy(x, n.start));
+    if (n.remembers_start()) {
+      if (!n.under_way.u) n.under_way = {n.model.dofs().create_vector(), n.model.dofs().create_vector()};
+      VOILE_PETSC(VecCopy(x, n.under_way.u));
+      VOILE_PETSC(VecCopy(v, n.under_way.v));
+      n.under_way.time = t;
+      n.under_way.size = step;
+    }
     n.test.see(x);
     n.model.potential().count_from(x);  // so that a restart chooses its first guess by the same figures
     if (!n.model.contact()) n.positive_left = 0;

@@ -219,6 +219,16 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
   if (model.contact()) state.contact = model.contact()->memory();
   state.solver = solver_memory();
   state.in_equilibrium = false;
+  if (!under_way.u) return;
+  if (!state.last.u) state.last = {model.dofs().create_vector(), model.dofs().create_vector()};
+  VOILE_PETSC(VecCopy(under_way.u, state.last.u));
+  VOILE_PETSC(VecCopy(under_way.v, state.last.v));
+  state.last.time = under_way.time;
+  state.last.size = under_way.size;
+}
+
+bool TimeIntegration::Impl::remembers_start() const {
+  return !explicit_method && (damps_stiffly(model, dynamics.options()) || dynamics.options().drag.active());
 }
 
 /// The state stays the last accepted one.
@@ -308,6 +318,7 @@ StepResult TimeIntegration::begin(system::State& state) {
   n.model.conditions().enforce(state.u);
   if (n.model.conditions().has_gas())
     n.model.conditions().begin_leaks(n.model.potential().configuration(state.u), state.time);
+  if (state.last.u && n.remembers_start()) n.dynamics.resume_step(state.last);
   if (n.options.energy_balance) {
     n.account.emplace(n.dynamics, system::short_moment * n.options.step)
         .begin(state.u, state.v, state.a, state.balance, n.options.restarted);

@@ -57,6 +57,7 @@ struct TimeIntegration::Impl {
     system::StabilityMemory memory;
     petsc::VecHandle mode;
   } stability;
+  system::StepStart under_way;  ///< the step, if forces depend on it
   /// Of the tangent in force: its state, owned by the TS, what stands before its velocity and acceleration, its kind.
   struct {
     Vec u = nullptr;
@@ -123,6 +124,9 @@ struct TimeIntegration::Impl {
   static PetscErrorCode function(TS, PetscReal t, Vec u, Vec v, Vec a, Vec f, void* self);
   static PetscErrorCode jacobian(TS, PetscReal t, Vec u, Vec v, Vec a, PetscReal s_v, PetscReal s_a, Mat, Mat,
                                  void* self);
+  /// Whether forces at the end of a step depend on its start.
+  [[nodiscard]] bool remembers_start() const;
+
   static PetscErrorCode start_step(void* self, Vec x, Vec v, PetscReal step);
   static PetscErrorCode exactly(void* self);
   static PetscErrorCode enforce(void* self, PetscReal t, Vec stage);

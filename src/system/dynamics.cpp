@@ -63,12 +63,26 @@ void Dynamics::set_time(double time) {
   if (options_.drag.wind_in_time) drag_->kernel.set_wind(options_.drag.wind_in_time(time));
 }
 
-void Dynamics::start_step(Vec u, Vec v, double dt) {
+void Dynamics::remember(Vec u, Vec v, double dt) {
   model_.potential().start_step(u, options_.viscous_time / dt, options_.material_damping ? 1.0 / dt : 0.0);
-  if (options_.drag.active()) {
-    model_.dofs().update_points(u, force_, position_);
-    drag_->kernel.start_step(position_.data(), moving(v).x);
-  }
+  if (!options_.drag.active()) return;
+  model_.dofs().update_points(u, force_, position_);
+  drag_->kernel.start_step(position_.data(), moving(v).x);
+}
+
+void Dynamics::resume_step(const StepStart& start) {
+  const double now = time();
+  const auto set_time = [&](double time) {
+    model_.conditions().set_time(time);
+    model_.potential().set_time(time);
+  };
+  set_time(start.time);
+  remember(start.u, start.v, start.size);
+  set_time(now);
+}
+
+void Dynamics::start_step(Vec u, Vec v, double dt) {
+  remember(u, v, dt);
   if (Contact* contact = model_.contact()) contact->start_step(u, contact->scene().input().options.slip_speed * dt);
 }
 

@@ -20,6 +20,7 @@
 #include "dynamics_options.hpp"
 #include "energy/term.hpp"
 #include "model.hpp"
+#include "state.hpp"
 #include "work.hpp"
 
 namespace voile::energy {
@@ -53,6 +54,8 @@ class Dynamics {
   void set_time(double time);
   /// Remembers the start of a step of size dt. Collective.
   void start_step(Vec u, Vec v, double dt);
+  /// Damping and drag become those of the end of a step that began so. Contact is left alone. Collective.
+  void resume_step(const StepStart& start);
   /// F. Collective.
   void residual(Vec u, Vec v, Vec a, Vec f);
   /// Adds to f what damping and drag do at velocities v, on what is held too, where it is a part of the reaction. Collective. [N]
@@ -95,6 +98,7 @@ class Dynamics {
   [[nodiscard]] Vec3 angular_momentum(Vec u, Vec v) const;
 
  private:
+  void remember(Vec u, Vec v, double dt);
   void build_drag();
   void add_drag(Vec v, Vec f) const;
   void multiply_mass(Vec x, Vec y) const;  ///< of held components too

@@ -74,13 +74,21 @@ constexpr std::size_t path_numbers = 5;
   return {static_cast<int>(n[0]), n[1], n[2], static_cast<long>(n[3]), n[4] > 0.0};
 }
 
+/// Where the last step of a motion began: damping and drag, and so reactions, depend on it.
+struct StepStart {
+  petsc::VecHandle u, v;  ///< none: not known
+  double time = 0.0;      ///< [s]
+  double size = 0.0;      ///< that rates of that step are of [s]
+};
+
 struct State {
   int step = 0;  ///< accepted steps so far
   double time = 0.0, load_factor = 0.0;
   double next_step = 0.0;  ///< size of the step to come: of time [s], of a path; 0: as the options say
   petsc::VecHandle u;
-  petsc::VecHandle v, a;       ///< none: at rest; to be found from the equations
-  petsc::VecHandle previous;   ///< u one step before, which gives a path its direction; none: it begins here
+  petsc::VecHandle v, a;      ///< none: at rest; to be found from the equations
+  petsc::VecHandle previous;  ///< u one step before, which gives a path its direction; none: it begins here
+  StepStart last = {};
   bool in_equilibrium = true;  ///< false: after motion, or in a shape that was given
   ContactMemory contact = {};
   Remeshings remeshings = {};

@@ -125,6 +125,30 @@ def loose_options(report):
 
 
 @test
+def damped_restart(report):
+    """A damped motion in wind that goes on from a checkpoint has the reactions and works of the unbroken one from its first row."""
+    case = pushed("motion")
+    case["material"][0] |= {"membrane_damping": 1e-3, "bending_damping": 2e-3}
+    case["support"][0]["motion"] = ["0", "0", "0.05*(1-cos(20*t))"]
+    case |= {"air": {"density": 1.2, "normal_drag": 1.2, "wind": [0, 0, 5]}, "time": {"end": 0.4, "step": 0.02}}
+    case["probe"].append({"name": "R", "type": "reaction", "group": "left"})
+    for ranks, more in ((1, {}), (2, {"rigid": [{"name": "end", "group": "right"}]})):
+        if more:
+            case["probe"] = case["probe"][:1]
+            del case["air"]
+        whole = solve("damped_whole", case | more, ranks).history
+        half = solve("damped_half", variant(case | more, {"time.end": 0.2}), ranks)
+        rest = solve("damped_rest", case | more, ranks, ["--restart", str(half.folder / "checkpoint.h5")]).history
+        columns = [c for c in whole.names if c[:2] == "R_" or c.startswith(("work_of", "end_", "numerical"))]
+        middle = int(np.argmin(np.abs(np.array(whole["time"]) - 0.2)))
+        scale = {c: np.abs(np.array(whole[c])).max() + 1e-30 for c in columns}
+        first = max(abs(rest[c][0] - whole[c][middle]) / scale[c] for c in columns)
+        last = max(abs(rest[c][-1] - whole[c][-1]) / scale[c] for c in columns)
+        report.below(first, 1e-8, f"{ranks} rank(s): difference in the first row of {len(columns)} columns")
+        report.below(last, 1e-8, "and in the last one")
+
+
+@test
 def stocking(report):
     """A tube that is tight on a leg with friction is an equilibrium without any load: the forces of contact are its measure."""
     tube = lambda name, r: grid_mesh(name, lambda s, t: (r * math.cos(2 * math.pi * s), r * math.sin(2 * math.pi * s), 0.05 * t),  # noqa: E731
