@@ -24,4 +24,11 @@ inline constexpr std::array length_units{
   return 0.0;
 }
 
+/// The unit of this many metres; "" if it has no name.
+[[nodiscard]] constexpr const char* name_of_metres(double metres) {
+  for (const LengthUnit& unit : length_units)
+    if (metres == unit.metres) return unit.name;
+  return "";
+}
+
 }  // namespace voile

@@ -83,7 +83,7 @@ RenderCommand::RenderCommand(CLI::App& cli) : sub_(cli.add_subcommand("render", 
 void RenderCommand::declare_look() {
   CLI::Option* field = sub_->add_option(
       "--field", show_.field, "Field as colour: NAME or NAME:COMPONENT, e.g. displacement:z, membrane_force:larger");
-  sub_->add_option("--range", range_, "LOW,HIGH of the colours [of all steps shown]");
+  sub_->add_option("--range", range_, "LOW,HIGH of the colours [of all steps shown]")->needs(field);
   sub_->add_option("--scale", scale_, "Factor of displacements [1]; of a mode its largest displacement in m");
   CLI::Option* partition =
       sub_->add_flag("--partition", show_.partition, "Colour by the rank of the run")->excludes(field);
@@ -205,8 +205,9 @@ ExportCommand::ExportCommand(CLI::App& cli)
   sub_->add_flag("--no-obstacles", no_obstacles_, "The sheet only");
   sub_->add_flag("--one-mesh", export_.one_mesh,
                  "Put a run that was remeshed on one mesh as fine as any of its own; pc2 and mdd always do");
-  sub_->add_option("--tolerance", export_.tolerance,
-                   "How far it may be away from the meshes of the run in m [5e-4 of the sheet's extent]");
+  sub_->add_option(
+      "--tolerance", export_.tolerance,
+      "How far it may be away from the meshes of the run, in the case's unit of length [5e-4 of the sheet's extent]");
   sub_->add_flag("--quiet", quiet_, "Print errors only");
 }
 

@@ -119,6 +119,12 @@ double value_of(const SectionPlace& place, const Figure& figure, const toml::nod
   const double x =
       node.is_number() ? *node.value<double>() : quantity(place, figure, *node.value<std::string>(), areal_density);
   if (!(x > 0.0 && std::isfinite(x))) place.fail(figure.name, "the figure must be finite and greater than zero");
+  // Slips of units; the heaviest carpets weigh half of this, and are a quarter as thick.
+  if (figure.name == "areal_density" && !(x >= 1e-3 && x <= 10.0))
+    place.fail(figure.name,
+               fmt::format("{:g} kg/m^2 is no fabric's: they weigh 0.001 to 10 kg/m^2; check the unit", x));
+  if (figure.name == "thickness" && !(x >= 1e-6 && x <= 0.1))
+    place.fail(figure.name, fmt::format("{:g} m is no fabric's: they are 1e-6 to 0.1 m thick; check the unit", x));
   return x;
 }
 

@@ -15,8 +15,8 @@ std::vector<Key> keys_of(ContactSection& s) {
        .range = positive},
       {.name = "stiffness",
        .slot = &o.stiffness,
-       .meaning = "Of the barrier: the pressure at half the distance is 1.2 times this, and grows without bound as the "
-                  "gap closes.",
+       .meaning = "Of the barrier: the pressure at half the distance is 1.2 times this on planes, about twice that on "
+                  "meshes; it grows without bound as the gap closes.",
        .unit = "Pa",
        .range = positive},
       {.name = "thickness",

@@ -56,14 +56,13 @@ std::vector<Key> reading_keys(formats::MeshOptions& o) {
        .range = {0, 9}},
       {.name = "merge",
        .slot = &o.merge,
-       .meaning = "Whether parts are joined where they touch: vertices at the same place become one if one of them is on a "
-                  "boundary, and where a part ends on another whose vertices lie elsewhere, triangles are divided there. "
-                  "Without it they are apart."},
+       .meaning =
+           "Whether parts are joined where they touch: vertices at one place become one if one is on a boundary, "
+           "and triangles are divided where a part ends on them."},
       {.name = "merge_tolerance",
        .slot = &o.merge_tolerance,
-       .meaning =
-           "How close they lie, after `scale`. 0: a millionth of the mesh's extent, but at most a tenth of "
-           "its shortest edge.",
+       .meaning = "How close they lie, after `scale`. 0: a millionth of the mesh's extent, but at most a tenth of "
+                  "its shortest edge.",
        .unit = "m",
        .range = not_negative},
       {.name = "parameters",

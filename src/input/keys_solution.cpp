@@ -98,7 +98,7 @@ std::vector<Key> keys_of(EigenSection& s) {
        .slot = choice(s.mass, {{"consistent", system::Mass::consistent}, {"lumped", system::Mass::lumped}}),
        .meaning = "Mass matrix of `modal` and `harmonic`: consistent with linear displacements in the triangles, or "
                   "lumped at the "
-                  "vertices (better for taut sheets with `six_node_corrected`, see docs/howto/find-modes.md)."}};
+                  "vertices (better for taut sheets, see docs/howto/find-modes.md)."}};
 }
 
 namespace {

@@ -90,7 +90,7 @@ Exporter::Exporter(const Recording& recording, const std::vector<Moment>& moment
     in_time_ = in_time_ && part.in_time && moments[i].step && moments[i].part == moments[0].part;
   }
   if (options.tolerance && !(*options.tolerance > 0.0))
-    throw UserError(fmt::format("--tolerance {}: it is more than 0 m", *options.tolerance));
+    throw UserError(fmt::format("--tolerance {}: it is more than 0", *options.tolerance));
   for (std::size_t i = 1; i < moments.size(); ++i) meshes_ += same_mesh(i) ? 0 : 1;
   if (meshes_ > 1 && (options.one_mesh || options.format == "pc2" || options.format == "mdd"))
     one_mesh_ = std::make_unique<Resampled>(recording, moments, options.tolerance);
@@ -144,8 +144,10 @@ std::vector<std::string> Exporter::notes() const {
   if (!intersecting_.empty())
     intersections = fmt::format("the sheet intersects in {} of {} frames, first at step {}", intersecting_.size(),
                                 size(), *intersecting_.begin());
-  return {fmt::format("one mesh of {} vertices for all frames: at most {:.2g} mm from the meshes of the run; {}",
-                      one_mesh_->mesh()->data.positions.size(), 1e3 * distance_, intersections)};
+  return {fmt::format("one mesh of {} vertices for all frames: at most {:.2g} {} from the meshes of the run; {}",
+                      one_mesh_->mesh()->data.positions.size(),
+                      recording_.metres() == 1.0 ? 1e3 * distance_ : distance_,
+                      recording_.metres() == 1.0 ? "mm" : recording_.unit(), intersections)};
 }
 
 Snapshot Exporter::snapshot(std::size_t i) const {

@@ -16,8 +16,9 @@ Files for_moving(const Exporter& e, const Work& work) {
   for (std::size_t i = 0; i < e.size(); ++i) {
     Snapshot s = e.snapshot(i);
     bodies_move = !s.bodies.triangles.empty() && s.bodies.moves;
-    if (i == 0) write_obj(e.file("_mesh", ".obj"), {&s.sheet}, &s.state.mesh->data, files);
-    if (i == 0 && !s.bodies.triangles.empty()) write_obj(e.file("_bodies_mesh", ".obj"), {&s.bodies}, nullptr, files);
+    if (i == 0) write_obj(e.file("_mesh", ".obj"), e.recording().unit(), {&s.sheet}, &s.state.mesh->data, files);
+    if (i == 0 && !s.bodies.triangles.empty())
+      write_obj(e.file("_bodies_mesh", ".obj"), e.recording().unit(), {&s.bodies}, nullptr, files);
     sheet.push_back(std::move(s.sheet.positions));
     if (bodies_move) bodies.push_back(std::move(s.bodies.positions));
   }

@@ -14,11 +14,11 @@ static_assert(std::endian::native == std::endian::little,
               "binary STL, PLY, PC2 and GLB are written as memory has them");
 
 /// `texture`: texture coordinates of the first body's corners, if it has any.
-void write_obj(const fs::path& file, const std::vector<const Body*>& bodies, const mesh::MeshData* texture,
-               Files& files) {
+void write_obj(const fs::path& file, const char* unit, const std::vector<const Body*>& bodies,
+               const mesh::MeshData* texture, Files& files) {
   OutFile out(file);
   std::ofstream& to = out.stream();
-  fmt::print(to, "# metres\n");
+  fmt::print(to, "# lengths in {}\n", unit);
   std::size_t first = 1;
   for (const Body* body : bodies) {
     if (body->triangles.empty()) continue;
@@ -45,7 +45,7 @@ Files export_obj(const Exporter& e) {
   Files files;
   for (std::size_t i = 0; i < e.size(); ++i) {
     const Snapshot s = e.snapshot(i);
-    write_obj(e.frame_file(i), {&s.sheet, &s.bodies}, &s.state.mesh->data, files);
+    write_obj(e.frame_file(i), e.recording().unit(), {&s.sheet, &s.bodies}, &s.state.mesh->data, files);
   }
   return files;
 }
@@ -55,7 +55,7 @@ Files export_stl(const Exporter& e) {
   for (std::size_t i = 0; i < e.size(); ++i) {
     const Snapshot s = e.snapshot(i);
     OutFile out(e.frame_file(i));
-    std::string header = "sheet and bodies, metres";
+    std::string header = fmt::format("sheet and bodies, lengths in {}", e.recording().unit());
     header.resize(80, ' ');
     out.stream() << header;
     out.put(static_cast<std::uint32_t>(s.sheet.triangles.size() + s.bodies.triangles.size()));
@@ -110,8 +110,8 @@ Files export_ply(const Exporter& e) {
     const std::vector<results::Field> all = e.fields(i), vertex = at(all, results::Centre::vertex),
                                       face = at(all, results::Centre::triangle);
     OutFile out(e.frame_file(i));
-    fmt::print(out.stream(), "ply\nformat binary_little_endian 1.0\ncomment metres\nelement vertex {}\n",
-               s.sheet.positions.size() + s.bodies.positions.size());
+    fmt::print(out.stream(), "ply\nformat binary_little_endian 1.0\ncomment lengths in {}\nelement vertex {}\n",
+               e.recording().unit(), s.sheet.positions.size() + s.bodies.positions.size());
     for (const char axis : {'x', 'y', 'z'}) fmt::print(out.stream(), "property float {}\n", axis);
     ply_properties(out, vertex);
     fmt::print(out.stream(), "element face {}\nproperty list uchar int vertex_indices\n",

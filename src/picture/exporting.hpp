@@ -98,7 +98,7 @@ class OutFile {
 [[nodiscard]] Files export_msh(const Exporter& e);
 [[nodiscard]] Files export_vtu(const Exporter& e);
 
-void write_obj(const std::filesystem::path& file, const std::vector<const Body*>& bodies, const mesh::MeshData* texture,
-               Files& files);
+void write_obj(const std::filesystem::path& file, const char* unit, const std::vector<const Body*>& bodies,
+               const mesh::MeshData* texture, Files& files);
 
 }  // namespace voile::picture

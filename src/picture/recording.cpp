@@ -187,7 +187,9 @@ std::vector<Moment> Recording::select(const std::string& steps) const {
   std::vector<int> numbers;
   for (const Moment& m : every) numbers.push_back(number(m));
   if (numbers.size() > 40) numbers.erase(numbers.begin() + 20, numbers.end() - 20);
-  throw UserError(fmt::format("{}: there is no step {}; there are {}", folder_.string(), steps, join(numbers, ", ")));
+  const bool modes = !every.empty() && parts_[every.back().part].modes;
+  throw UserError(fmt::format("{}: there is no {} {}; there are {}", folder_.string(), modes ? "mode" : "step", steps,
+                              join(numbers, ", ")));
 }
 
 std::shared_ptr<const results::StoredMesh> Recording::mesh(const Moment& moment) const {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/length_unit.hpp"
 #include "flat_sheet.hpp"
 #include "results/stored_run.hpp"
 
@@ -53,6 +54,8 @@ class Recording {
   [[nodiscard]] const Vec3& up() const { return up_; }
   /// Length of 1 in the results [m].
   [[nodiscard]] double metres() const { return metres_; }
+  /// Its name, such as mm.
+  [[nodiscard]] const char* unit() const { return name_of_metres(metres_); }
   /// As the case lists them.
   [[nodiscard]] const std::vector<SheetMaterial>& materials() const { return materials_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }

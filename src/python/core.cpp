@@ -310,7 +310,7 @@ void declare_petsc(py::class_<Held>& c) {
           "prescribe [m].")
       .def(
           "tangent", [](Held& s, const py::object& x) { return taken(s->tangent(vector_of(x))); }, py::arg("x"),
-          "The derivative of the residual at x [N/m], as a Mat of petsc4py.")
+          "The derivative of the residual at x [N/m], as a Mat of petsc4py; unit rows and columns where supports hold.")
       .def(
           "to_array", [](Held& s, const py::object& x) { return rows(s->to_array(vector_of(x)), 3); }, py::arg("x"),
           "A vector of unknowns as an array over the vertices in global axes, n x 3.")
