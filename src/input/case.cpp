@@ -235,8 +235,6 @@ void check_time(const SectionPlace& place, Case& c) {
   if (!c.stage.sew.empty() && !place.has("velocity_tolerance")) o.velocity_tolerance = sewing_tolerance;
   if (c.contact.input.active && o.method == solve::TimeOptions::Method::central_difference)
     place.fail("method", "there is no contact with \"central_difference\"; choose \"alpha\"");
-  if (c.contact.input.active && !o.forces_at_end)
-    place.fail("forces_at_end", "contact needs forces at the end of the step; remove the key");
   if (o.max_step > 0.0 && o.max_step < o.step)
     place.fail("max_step", fmt::format("{}: must not be smaller than step = {}", o.max_step, o.step));
   if (o.min_step > o.step)

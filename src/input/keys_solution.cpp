@@ -133,11 +133,7 @@ std::vector<Key> integration_keys(solve::TimeOptions& o) {
                "Spectral radius at infinite frequency: 1 no numerical dissipation, 0 the most. With contact 0 if "
                "this key is "
                "not given: what hits something in one step can leave it with 1 + 2 `spectral_radius` times its speed.",
-           .range = {0, 1}},
-          {.name = "forces_at_end",
-           .slot = &o.forces_at_end,
-           .meaning =
-               "Take forces at the end of the step (Wood-Bossak-Zienkiewicz) instead of within it (Chung-Hulbert)."}};
+           .range = {0, 1}}};
 }
 
 /// What ends a step, what moves, what is kept.

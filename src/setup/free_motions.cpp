@@ -6,6 +6,8 @@
 
 #include "base/text.hpp"
 #include "mesh_report.hpp"
+#include "system/constraints.hpp"
+#include "system/gas_surface.hpp"
 #include "system/rigid_motions.hpp"
 #include "voile/errors.hpp"
 
@@ -36,9 +38,31 @@ std::string list(const std::vector<system::FreePiece>& pieces, Index all) {
   return join(texts, "; ");
 }
 
+/// The fan that closes a rim goes with it, a rigid box does not.
+void require_held_rims(const input::Case& c, const system::Model& model) {
+  const auto& vertices = model.discretisation().constraints().vertices;
+  const mesh::SurfaceMesh& mesh = model.dofs().mesh();
+  for (const system::Load& load : c.loads) {
+    if (load.kind != system::Load::Kind::gas || load.added_volume == 0.0) continue;
+    for (const system::GasSurface::Rim& rim : system::gas_surface(mesh, load).rims)
+      for (const Index v : rim.vertices) {
+        const auto at = vertices.find(v);
+        if (at != vertices.end() &&
+            std::all_of(at->second.fixed.begin(), at->second.fixed.end(), [](bool f) { return f; }))
+          continue;
+        throw UserError(
+            fmt::format("{}: [[load]] of type \"gas\": its rim moves at {}, and what added_volume stands for would "
+                        "move with it, without "
+                        "any change of volume: hold the rim, or close the gas by triangles of the mesh",
+                        c.file.string(), place_text(mesh.positions()[v])));
+      }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> check_free_motions(const input::Case& c, const system::Model& model) {
+  require_held_rims(c, model);
   const std::vector<system::FreePiece> free =
       system::free_pieces(model.dofs().mesh(), model.discretisation().constraints(), c.springs);
   if (free.empty()) return {};

@@ -8,9 +8,9 @@ PetscErrorCode set_alpha_shifts(TS ts) {
   AlphaData& th = alpha_data(ts);
   const double h = ts->time_step;
   PetscFunctionBeginUser;
-  th.stage_time = ts->ptime + th.a_f * h;
+  th.stage_time = ts->ptime + h;
   th.s_v = th.gamma / (h * th.beta);
-  th.s_a = th.a_m / (th.a_f * h * h * th.beta);
+  th.s_a = th.a_m / (h * h * th.beta);
   PetscFunctionReturn(0);
 }
 
@@ -66,8 +66,7 @@ PetscErrorCode begin_alpha(TS ts) {
     PetscCall(VecZeroEntries(th.a1));
     PetscFunctionReturn(0);
   }
-  if (th.callbacks.start_step)
-    PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, th.a_f * ts->time_step));
+  if (th.callbacks.start_step) PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, ts->time_step));
   PetscCall(start_acceleration(ts, th.callbacks.stiff_start));
   PetscFunctionReturn(0);
 }

@@ -21,8 +21,7 @@ PetscErrorCode set_stage(TS ts, Vec x1) {
   PetscCall(VecAXPBYPCZ(th.a1, -1.0 / (h * th.beta), 1.0 - 0.5 / th.beta, 1.0 / (h * h * th.beta), th.v0, th.a0));
   PetscCall(VecWAXPY(th.v1, h * (1.0 - th.gamma), th.a0, th.v0));
   PetscCall(VecAXPY(th.v1, h * th.gamma, th.a1));
-  PetscCall(VecAXPBYPCZ(th.xa, 1.0 - th.a_f, th.a_f, 0.0, th.x0, x1));
-  PetscCall(VecAXPBYPCZ(th.va, 1.0 - th.a_f, th.a_f, 0.0, th.v0, th.v1));
+  if (x1 != th.xa) PetscCall(VecCopy(x1, th.xa));
   PetscCall(VecAXPBYPCZ(th.aa, 1.0 - th.a_m, th.a_m, 0.0, th.a0, th.a1));
   PetscFunctionReturn(0);
 }
@@ -37,10 +36,7 @@ PetscErrorCode guess(TS ts, AlphaPredictor predictor, PetscBool* possible) {
   if (predictor != AlphaPredictor::position) PetscCall(VecAXPY(th.x1, h, th.v0));
   if (predictor == AlphaPredictor::acceleration) PetscCall(VecAXPY(th.x1, 0.5 * h * h, th.a0));
   if (!th.callbacks.enforce) PetscFunctionReturn(0);
-  // Prescribed components of the stage are known: X1 = X0 + (Xa - X0)/a_f there.
-  PetscCall(VecAXPBYPCZ(th.xa, 1.0 - th.a_f, th.a_f, 0.0, th.x0, th.x1));
-  PetscCall(th.callbacks.enforce(th.callbacks.context, th.stage_time, th.xa));
-  PetscCall(VecAXPBYPCZ(th.x1, 1.0 - 1.0 / th.a_f, 1.0 / th.a_f, 0.0, th.x0, th.xa));
+  PetscCall(th.callbacks.enforce(th.callbacks.context, th.stage_time, th.x1));
   if (th.callbacks.clear)
     PetscCall(th.callbacks.clear(th.callbacks.context, ts->ptime, th.x0, th.stage_time, th.x1, possible));
   PetscFunctionReturn(0);
@@ -97,8 +93,7 @@ PetscErrorCode step(TS ts) {
   }
   while (!ts->reason) {
     PetscCall(set_alpha_shifts(ts));
-    if (th.callbacks.start_step)
-      PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, th.a_f * ts->time_step));
+    if (th.callbacks.start_step) PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, ts->time_step));
     PetscBool possible = PETSC_TRUE;
     PetscCall(predict(ts, &possible));
     if (!possible) {
@@ -146,7 +141,7 @@ PetscErrorCode local_error(TS ts, NormType type, PetscInt* order, PetscReal* err
   AlphaData& th = alpha_data(ts);
   PetscFunctionBeginUser;
   const double h = ts->time_step,
-               c = th.backward ? 0.5 * h * h : (1.0 / 12.0 + 0.25 * (th.a_m - th.a_f) * (th.a_m - th.a_f)) * h * h;
+               c = th.backward ? 0.5 * h * h : (1.0 / 12.0 + 0.25 * (th.a_m - 1.0) * (th.a_m - 1.0)) * h * h;
   PetscReal absolute = 0, relative = 0;
   PetscCall(VecCopy(th.x1, th.aa));
   PetscCall(VecAXPY(th.aa, c, th.a1));
@@ -185,8 +180,7 @@ PetscErrorCode snes_function(SNES, Vec x, Vec f, TS ts) {
     PetscFunctionReturn(0);
   }
   PetscCall(set_stage(ts, x));
-  PetscCall(TSComputeI2Function(ts, th.stage_time, th.xa, th.va, th.aa, f));
-  PetscCall(VecScale(f, 1.0 / th.a_f));
+  PetscCall(TSComputeI2Function(ts, th.stage_time, th.xa, th.v1, th.aa, f));
   PetscFunctionReturn(0);
 }
 
@@ -196,7 +190,7 @@ PetscErrorCode snes_jacobian(SNES, Vec, Mat j, Mat p, TS ts) {
   if (th.starting)
     PetscCall(TSComputeI2Jacobian(ts, ts->ptime, th.x1, th.v0, th.a0, th.start_s_v, 1.0 / th.start_scale, j, p));
   else
-    PetscCall(TSComputeI2Jacobian(ts, th.stage_time, th.xa, th.va, th.aa, th.s_v, th.s_a, j, p));
+    PetscCall(TSComputeI2Jacobian(ts, th.stage_time, th.xa, th.v1, th.aa, th.s_v, th.s_a, j, p));
   PetscFunctionReturn(0);
 }
 
@@ -207,7 +201,7 @@ PetscErrorCode set_up(TS ts) {
     SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), PETSC_ERR_ARG_WRONGSTATE,
             "TS2SetSolution must be called first");
   th.set_parameters();
-  for (Vec* v : {&th.x0, &th.xa, &th.x1, &th.v0, &th.va, &th.v1, &th.a0, &th.aa, &th.a1, &th.best})
+  for (Vec* v : {&th.x0, &th.xa, &th.x1, &th.v0, &th.v1, &th.a0, &th.aa, &th.a1, &th.best})
     if (!*v) PetscCall(VecDuplicate(ts->vec_sol, v));
   PetscCall(TSGetAdapt(ts, &ts->adapt));
   PetscCall(TSAdaptCandidatesClear(ts->adapt));
@@ -218,8 +212,7 @@ PetscErrorCode set_up(TS ts) {
 PetscErrorCode reset(TS ts) {
   AlphaData& th = alpha_data(ts);
   PetscFunctionBeginUser;
-  for (Vec* v : {&th.x0, &th.xa, &th.x1, &th.v0, &th.va, &th.v1, &th.a0, &th.aa, &th.a1, &th.best})
-    PetscCall(VecDestroy(v));
+  for (Vec* v : {&th.x0, &th.xa, &th.x1, &th.v0, &th.v1, &th.a0, &th.aa, &th.a1, &th.best}) PetscCall(VecDestroy(v));
   th.has_acceleration = false;
   PetscFunctionReturn(0);
 }
@@ -236,14 +229,11 @@ PetscErrorCode ask_options(TS ts, PetscOptionItems* PetscOptionsObject) {
   AlphaData& th = alpha_data(ts);
   static constexpr const char* predictors[] = {"position", "velocity", "acceleration"};
   PetscReal radius = th.radius;
-  PetscBool at_end = th.at_end ? PETSC_TRUE : PETSC_FALSE;
   auto predictor = static_cast<PetscInt>(th.predictor);
   PetscFunctionBeginUser;
   PetscOptionsHeadBegin(PetscOptionsObject, "Generalised-alpha for second-order equations");
   PetscCall(
       PetscOptionsReal("-ts_voile_radius", "Spectral radius at infinite frequency", nullptr, radius, &radius, nullptr));
-  PetscCall(
-      PetscOptionsBool("-ts_voile_forces_at_end", "Forces at the end of the step", nullptr, at_end, &at_end, nullptr));
   PetscCall(PetscOptionsEList("-ts_voile_predictor", "First guess of a step", nullptr, predictors, 3,
                               predictors[predictor], &predictor, nullptr));
   PetscOptionsHeadEnd();
@@ -251,7 +241,6 @@ PetscErrorCode ask_options(TS ts, PetscOptionItems* PetscOptionsObject) {
     SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), PETSC_ERR_ARG_OUTOFRANGE,
             "-ts_voile_radius must be between 0 and 1");
   th.radius = radius;
-  th.at_end = at_end;
   th.predictor = static_cast<AlphaPredictor>(predictor);
   PetscFunctionReturn(0);
 }
@@ -259,8 +248,8 @@ PetscErrorCode ask_options(TS ts, PetscOptionItems* PetscOptionsObject) {
 PetscErrorCode view(TS ts, PetscViewer viewer) {
   const AlphaData& th = alpha_data(ts);
   PetscFunctionBeginUser;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  radius=%g, alpha_m=%g, alpha_f=%g, gamma=%g, beta=%g\n", th.radius,
-                                   th.a_m, th.a_f, th.gamma, th.beta));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  radius=%g, alpha_m=%g, gamma=%g, beta=%g\n", th.radius, th.a_m, th.gamma,
+                                   th.beta));
   PetscFunctionReturn(0);
 }
 
@@ -295,9 +284,8 @@ void set_alpha_callbacks(TS ts, const AlphaCallbacks& callbacks) {
   alpha_data(ts).callbacks = callbacks;
 }
 
-void set_alpha_parameters(TS ts, double radius, bool forces_at_end) {
+void set_alpha_radius(TS ts, double radius) {
   alpha_data(ts).radius = radius;
-  alpha_data(ts).at_end = forces_at_end;
 }
 
 double alpha_radius(TS ts) {
@@ -307,7 +295,7 @@ double alpha_radius(TS ts) {
 AlphaStage alpha_stage(TS ts, Vec x1) {
   VOILE_PETSC(set_stage(ts, x1));
   const AlphaData& th = alpha_data(ts);
-  return {th.xa, th.va, th.aa, th.stage_time, th.s_v, th.s_a, th.a_f};
+  return {th.xa, th.v1, th.aa, th.stage_time, th.s_v, th.s_a};
 }
 
 void set_acceleration(TS ts, Vec a) {

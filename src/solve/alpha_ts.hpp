@@ -3,16 +3,13 @@
 // Symbols   X, V, A   position, velocity, acceleration at the start (0) and the end (1) of a step of size h
 //           F(t, X, V, A) = 0  the equations (TSSetI2Function);  rho spectral radius at infinite frequency
 //   X1 = X0 + h V0 + h^2 ((1/2 - beta) A0 + beta A1),   V1 = V0 + h ((1 - gamma) A0 + gamma A1)
-//   F(t0 + a_f h, X0 + a_f (X1 - X0), V0 + a_f (V1 - V0), A0 + a_m (A1 - A0)) = 0
-//   gamma = 1/2 + a_m - a_f,   beta = (1 + a_m - a_f)^2 / 4
-//   forces at the end (default):  a_f = 1, a_m = 2/(1 + rho)                    (Wood, Bossak & Zienkiewicz)
-//   otherwise:                    a_f = 1/(1 + rho), a_m = (2 - rho)/(1 + rho)  (Chung & Hulbert)
-// Source: J. Chung, G.M. Hulbert, J. Appl. Mech. 60 (1993) 371-375; W.L. Wood, M. Bossak, O.C. Zienkiewicz, Int. J.
-// Numer. Meth. Engng 15 (1980) 1562-1566. Second order, unconditionally stable on linear problems. Start: A0 solves
+//   F(t0 + h, X1, V1, A0 + a_m (A1 - A0)) = 0
+//   a_m = 2/(1 + rho),   gamma = a_m - 1/2,   beta = a_m^2 / 4
+// Source: W.L. Wood, M. Bossak, O.C. Zienkiewicz, Int. J. Numer. Meth. Engng 15 (1980) 1562-1566, with the parameters of J. Chung,
+// G.M. Hulbert, J. Appl. Mech. 60 (1993) 371-375. Second order, unconditionally stable on linear problems. Start: A0 solves
 // F(t0, X0, V0, A0) = 0, after every restart of the time stepper, unless it is given or the first step is one of backward
-// Euler (`damped`). Error of a step: (1/12 + (a_m -
-// a_f)^2/4) h^2 (A1 - A0), of third order, for TSAdapt. The unknown of the SNES is X1, its function F/a_f: with an
-// energy E(stage) whose gradient is F, E/a_f^2 is its potential. Options: -ts_voile_radius, -ts_voile_forces_at_end,
+// Euler (`damped`). Error of a step: (1/12 + (a_m - 1)^2/4) h^2
+// (A1 - A0), of third order, for TSAdapt. The unknown of the SNES is X1. Options: -ts_voile_radius,
 // -ts_voile_predictor position|velocity|acceleration: what the first guess of X1 goes on with; with the callback
 // `energy`, the acceleration only where that has less of it than the velocity alone, and flies no further than
 // `longest_flight`. Theory: docs/theory/time-integration.md (3).
@@ -27,12 +24,12 @@ inline constexpr const char* alpha_ts_type = "voile_alpha";
 /// What the type asks of its user besides TSSetI2Function and TSSetI2Jacobian.
 struct AlphaCallbacks {
   void* context = nullptr;
-  /// Before the first function of a step: state (X0, V0) and the time from there to the stage.
-  PetscErrorCode (*start_step)(void* context, Vec x, Vec v, PetscReal to_stage) = nullptr;
+  /// Before the first function of a step: state (X0, V0) and the size of the step.
+  PetscErrorCode (*start_step)(void* context, Vec x, Vec v, PetscReal step) = nullptr;
   /// Puts prescribed components of a stage position right at time t.
   PetscErrorCode (*enforce)(void* context, PetscReal t, Vec stage) = nullptr;
   /// Moves the first guess X1 at time t1 to where a search may start, coming from X0 at t0; false if there is no such
-  /// place, and the step must be smaller. Needs forces at the end of the step.
+  /// place, and the step must be smaller.
   PetscErrorCode (*clear)(void* context, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible) = nullptr;
   /// Potential whose minimum over X1 is looked for; with it the better of two first guesses is taken.
   PetscErrorCode (*energy)(void* context, Vec x1, PetscReal* energy) = nullptr;
@@ -54,7 +51,7 @@ struct AlphaCallbacks {
 /// What of a step tells about X1: stage (Xa, Va, Aa) with dVa/dXa = s_v and dAa/dXa = s_a.
 struct AlphaStage {
   Vec x, v, a;
-  PetscReal time, s_v, s_a, a_f;
+  PetscReal time, s_v, s_a;
 };
 
 /// Back to the start of a step that an exception ended.
@@ -64,8 +61,8 @@ void abandon_step(TS ts);
 void register_alpha_ts();
 /// Callbacks are copied.
 void set_alpha_callbacks(TS ts, const AlphaCallbacks& callbacks);
-/// Spectral radius in [0, 1] and whether forces are taken at the end of the step.
-void set_alpha_parameters(TS ts, double radius, bool forces_at_end);
+/// Spectral radius in [0, 1].
+void set_alpha_radius(TS ts, double radius);
 /// Spectral radius in force, which the command line may have changed.
 [[nodiscard]] double alpha_radius(TS ts);
 /// The stage that belongs to a trial X1. The vectors belong to the TS.

@@ -12,11 +12,10 @@ enum class AlphaPredictor { position, velocity, acceleration };
 /// The type's own data (ts->data).
 struct AlphaData {
   double radius = 0.5;
-  bool at_end = true;
   AlphaPredictor predictor = AlphaPredictor::acceleration;
-  double a_m = 0, a_f = 0, gamma = 0, beta = 0;
+  double a_m = 0, gamma = 0, beta = 0;
   AlphaCallbacks callbacks;
-  Vec x0{}, xa{}, x1{}, v0{}, va{}, v1{}, a0{}, aa{}, a1{}, best{};
+  Vec x0{}, xa{}, x1{}, v0{}, v1{}, a0{}, aa{}, a1{}, best{};
   bool has_acceleration = false;              ///< a1 belongs to the current state
   bool starting = false;                      ///< the SNES is solving for the first acceleration
   bool backward = false;                      ///< the step is one of backward Euler: A0 = 0, all parameters 1
@@ -25,13 +24,12 @@ struct AlphaData {
 
   void set_parameters() {
     if (backward) {
-      a_f = a_m = gamma = beta = 1.0;
+      a_m = gamma = beta = 1.0;
       return;
     }
-    a_f = at_end ? 1.0 : 1.0 / (1.0 + radius);
-    a_m = at_end ? 2.0 / (1.0 + radius) : (2.0 - radius) / (1.0 + radius);
-    gamma = 0.5 + a_m - a_f;
-    beta = 0.25 * (1.0 + a_m - a_f) * (1.0 + a_m - a_f);
+    a_m = 2.0 / (1.0 + radius);
+    gamma = a_m - 0.5;
+    beta = 0.25 * a_m * a_m;
   }
 };
 

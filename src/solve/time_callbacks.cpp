@@ -203,7 +203,7 @@ PetscErrorCode TimeIntegration::Impl::energy(void* self, Vec x1, PetscReal* valu
 
 double TimeIntegration::Impl::objective(Vec x) {
   const AlphaStage s = alpha_stage(ts, x);
-  return dynamics.energy(s.x, s.v, s.a, s.s_v, s.s_a) / (s.a_f * s.a_f);
+  return dynamics.energy(s.x, s.v, s.a, s.s_v, s.s_a);
 }
 
 /// Backtracking on the incremental potential; full steps where there is none (follower loads, inertia of rigid bodies).

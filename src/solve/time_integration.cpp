@@ -90,10 +90,9 @@ void TimeIntegration::Impl::create(const system::State& from) {
   VOILE_PETSC(TSAdaptSetStepLimits(adapt, options.min_step * (1.0 - 1e-9), options.max_step));
   PetscBool implicit = PETSC_FALSE;
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(static_cast<TS>(ts)), alpha_ts_type, &implicit));
-  if (implicit) set_alpha_parameters(ts, options.radius, options.forces_at_end);
-  if (model.contact() && !(implicit && options.forces_at_end))
-    throw UserError(
-        "contact needs the implicit method with forces_at_end = true: its barrier holds at the end of a step");
+  if (implicit) set_alpha_radius(ts, options.radius);
+  if (model.contact() && !implicit)
+    throw UserError("contact needs the implicit method, -ts_type voile_alpha: its barrier holds at the end of a step");
   create_snes();
   refuse_snes_options();
   VOILE_PETSC(TSSetFromOptions(ts));

@@ -18,7 +18,6 @@ struct TimeOptions {
   double max_step = 0.0;                        ///< [s]; 0: step
   double step_error = 0.0;                      ///< largest local error of a position per step [m]; 0: not controlled
   double radius = 0.5;                          ///< spectral radius at infinite frequency: 1 no dissipation, 0 the most
-  bool forces_at_end = true;                    ///< Wood-Bossak-Zienkiewicz member; false: Chung-Hulbert
   int target_iterations = 10;                   ///< a step that needs more makes the next one smaller
   double velocity_tolerance = 0.0;  ///< an increment below this, as a root mean square over the mass and per step, ends
                                     ///< the iterations of a step [m/s]; 0: only the SNES's tolerances do

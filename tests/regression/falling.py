@@ -150,8 +150,6 @@ def damped_start(report):
     solve("damped_start_once", variant(case, {"output.every": 1, "time.end": 1e-3}), 1)
     on = run(write_case(case, OUT / "damped_start_on.toml"), fresh("damped_start_on"), 1, ["--restart", OUT / "damped_start_once" / "checkpoint.h5"])
     report.percent(on.history["tip_z"][-1] / h["tip_z"][-1], 1e-9, "from a checkpoint after the first step")
-    gentle = solve("damped_start_gentle", variant(case, {"time.forces_at_end": False, "initial_velocity": [], "load": [{"type": "gravity", "vector": [0, 0, -9.81]}]}), 1)
-    report.check(gentle.history["damping_loss"][-1] > 0 and "damping has given" not in gentle.text, "nor where forces act within the step")
 
 
 @test
@@ -336,9 +334,8 @@ def ledger(report):
     decay, ringing = 0.5 * tau * natural**2, natural * math.sqrt(1.0 - (0.5 * tau * natural) ** 2)
     # After a sudden load: v = F/(m ringing) e^(-decay t) sin(ringing t); damping takes tau k v^2
     lost = tau * 500.0 * np.sum((0.005 / (4.0 * ringing) * np.exp(-decay * t) * np.sin(ringing * t)) ** 2) * (t[1] - t[0])
-    for at_end in (True, False):
-        damped = solve(f"ledger_damped_{at_end}", driven_bar(**{"material.0.membrane_damping": tau, "time.forces_at_end": at_end, "time.step": 0.0025}), 1)
-        report.percent(damped.history["damping_loss"][-1] / lost, 0.005, f"what viscosity takes, forces_at_end = {at_end}")
+    damped = solve("ledger_damped", driven_bar(**{"material.0.membrane_damping": tau, "time.step": 0.0025}), 1)
+    report.percent(damped.history["damping_loss"][-1] / lost, 0.005, "what viscosity takes")
     strip = {
         "analysis": "dynamic",
         "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 0.3, "width": 0.02, "nx": 30, "ny": 2}},
