@@ -216,6 +216,10 @@ void ExportCommand::run() {
   if (format.empty() && output_.empty())
     throw UserError("export: --to FORMAT or --output FILE is needed; see voile export --help");
   if (format.empty()) format = fs::path(output_).extension().string().erase(0, 1);
+  const std::string ending = fs::path(output_).extension().string();
+  for (const char* other : {"obj", "stl", "ply", "pc2", "mdd", "glb", "usda", "msh", "vtu", "csv"})
+    if (ending == std::string(".") + other && format != other)
+      throw UserError(fmt::format("export: --to {} and --output {} name two formats; leave one out", format, output_));
   const picture::Recording recording(results_.results, results_.choice);
   export_.output = output_.empty() ? recording.folder() / ("results." + format) : fs::path(output_);
   if (!export_.output.has_extension()) export_.output += "." + format;

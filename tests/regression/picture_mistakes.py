@@ -46,7 +46,7 @@ def exports_of_mistakes(report):
     """What cannot be exported or viewed ends with code 2 and a message that says why."""
     folder = some_results().folder
     for words, part in ((("--to", "fbx"), "obj, stl"), ((), "--to"), (("--to", "ply", "--field", "velocty"), "did you mean 'velocity'"),
-                        (("--to", "glb", "--field", "velocity"), "glb files have no fields"), (("--to", "ply", "--cloth", "twill"), "export as glb"), (("--to", "obj", "--steps", "77"), "there is no step 77"),
+                        (("--to", "glb", "--field", "velocity"), "glb files have no fields"), (("--to", "ply", "--cloth", "twill"), "export as glb"), (("--to", "obj", "--steps", "77"), "there is no step 77"), (("--to", "obj", "--output", "x.stl"), "two formats"),
                         (("--output", "/proc/version/x.glb"), "cannot be written")):
         refused(report, ("export", folder, *words), part)
     for words, part in ((("--steps", "77"), "there is no step 77"), (("--field", "velocty"), "did you mean 'velocity'"),
