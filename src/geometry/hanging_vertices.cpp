@@ -10,14 +10,16 @@
 
 namespace voile::geometry {
 
-HangingVertices find_hanging(const mesh::MeshData& data, double tolerance, Beside beside) {
+HangingVertices find_hanging(const mesh::MeshData& data, double tolerance, Beside beside,
+                             const std::vector<mesh::Segment>& rims) {
   HangingVertices found;
   if (!(tolerance > 0.0)) return found;
   const std::vector<Vec3>& x = data.positions;
   std::vector<char> used(x.size(), 0), at_rim(x.size(), 0), hangs(x.size(), 0);
   for (const mesh::Triangle& t : data.triangles)
     for (const Index v : t) used[v] = 1;
-  const std::vector<mesh::Segment> edges = mesh::rim_edges(data);
+  std::vector<mesh::Segment> edges = mesh::rim_edges(data);
+  edges.insert(edges.end(), rims.begin(), rims.end());
   for (const mesh::Segment& e : edges) at_rim[e[0]] = at_rim[e[1]] = 1;
   std::vector<Index> rim, all;
   for (Index v = 0; v < static_cast<Index>(x.size()); ++v) {

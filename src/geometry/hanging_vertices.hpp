@@ -14,8 +14,9 @@ struct HangingVertices {
 enum class Beside { counted, skipped };
 
 /// Vertices on a boundary within `tolerance` [m] of a triangle, and others within it of a boundary edge, that is not theirs and has
-/// no corner at their place. Not collective.
+/// no corner at their place. `rims`: edges that count as boundary besides. Not collective.
 [[nodiscard]] HangingVertices find_hanging(const mesh::MeshData& data, double tolerance,
-                                           Beside beside = Beside::counted);
+                                           Beside beside = Beside::counted,
+                                           const std::vector<mesh::Segment>& rims = {});
 
 }  // namespace voile::geometry

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -41,7 +42,8 @@ Crossing cross(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 class Tying {
  public:
-  Tying(mesh::MeshData& data, double tolerance) : data_(data), tolerance_(tolerance), rim_(mesh::rim_edges(data)) {}
+  Tying(mesh::MeshData& data, double tolerance, std::vector<Segment> rims)
+      : data_(data), tolerance_(tolerance), rim_(all_rims(data, rims)) {}
 
   Tied run() {
     find_vertices();
@@ -134,12 +136,20 @@ class Tying {
             !(c.first > 0.0 && c.first < 1.0 && c.second > 0.0 && c.second < 1.0))
           return;
         if (!done.insert(std::minmax(edge, rim)).second) return;
-        const auto v = static_cast<Index>(data_.positions.size());
-        data_.positions.push_back(x(edge[0]) + c.first * (x(edge[1]) - x(edge[0])));
+        const Index v = vertex_at(edge, x(edge[0]) + c.first * (x(edge[1]) - x(edge[0])));
         put_on(v, edge);
         put_on(v, rim);
       });
     }
+  }
+
+  /// One that divides the edge there already, of another rim along the same line, or a new one.
+  Index vertex_at(const Segment& edge, const Vec3& place) {
+    if (const auto at = on_edge_.find(edge); at != on_edge_.end())
+      for (const Index v : at->second)
+        if ((x(v) - place).norm() <= tolerance_) return v;
+    data_.positions.push_back(place);
+    return static_cast<Index>(data_.positions.size()) - 1;
   }
 
   void sort_along(const Segment& edge, std::vector<Index>& points) const {
@@ -288,6 +298,7 @@ class Tying {
         for (std::size_t i = 0; i + 1 < points.size(); ++i) segments.push_back({points[i], points[i + 1]});
         vertices.insert(points.begin(), points.end());
       }
+      const std::vector<Index> named = g.places();
       g.segments = std::move(segments);
       std::vector<char> in(parent.size(), 0);
       for (const Index t : g.triangles) in[t] = 1;
@@ -298,6 +309,9 @@ class Tying {
           vertices.insert(data_.triangles[t].begin(), data_.triangles[t].end());
         }
       g.vertices.assign(vertices.begin(), vertices.end());
+      g.added.clear();
+      std::set_difference(g.vertices.begin(), g.vertices.end(), named.begin(), named.end(),
+                          std::back_inserter(g.added));
     }
     std::size_t next =
         data_.vertex_tags.empty() ? 0 : *std::max_element(data_.vertex_tags.begin(), data_.vertex_tags.end());
@@ -316,9 +330,11 @@ class Tying {
 
 }  // namespace
 
-Tied tie_parts(mesh::MeshData& data, double tolerance) {
-  move_to_rims(data, tolerance);
-  return Tying(data, tolerance).run();
+Tied tie_parts(mesh::MeshData& data, double tolerance, std::vector<mesh::Segment> rims) {
+  const Index moved = move_to_rims(data, tolerance, rims);
+  Tied tied = Tying(data, tolerance, std::move(rims)).run();
+  tied.moved = moved;
+  return tied;
 }
 
 }  // namespace voile::geometry

@@ -7,18 +7,21 @@
 // crosses their sides. What comes out is one mesh, conforming: nothing of the element's order is lost.
 #pragma once
 
+#include <vector>
+
 #include "mesh/surface_mesh.hpp"
 
 namespace voile::geometry {
 
 struct Tied {
+  Index moved = 0;      ///< onto vertices and edges of another part
   Index vertices = 0;   ///< that lay on edges or in triangles of another part
   Index triangles = 0;  ///< that were divided
 };
 
 /// Ties parts where vertices hang (hanging_vertices.hpp). Groups follow: what is divided keeps its names. Vertices closer
-/// than `tolerance` [m] have to be one already (mesh::merge_coincident). No charts, no open seams. Not collective.
+/// than `tolerance` [m] have to be one already (mesh::merge_coincident); `rims` are edges where parts ended before that. No charts, no open seams. Not collective.
 /// Throws UserError if `tolerance` is too large for the triangles.
-Tied tie_parts(mesh::MeshData& data, double tolerance);
+Tied tie_parts(mesh::MeshData& data, double tolerance, std::vector<mesh::Segment> rims = {});
 
 }  // namespace voile::geometry

@@ -34,11 +34,11 @@ std::vector<Index> used_vertices(const TieSurface& s) {
 }
 
 /// Vertices of one part onto near ones of another. Returns how many moved.
-Index move_to_vertices(mesh::MeshData& data, double tolerance) {
-  const TieSurface s = surface_of(data);
+Index move_to_vertices(mesh::MeshData& data, double tolerance, std::vector<mesh::Segment>& rims) {
+  const TieSurface s = surface_of(data, rims);
   const mesh::SortedPoints sorted(data.positions, used_vertices(s));
   std::vector<Index> rim;
-  for (const mesh::Segment& e : mesh::rim_edges(data)) rim.insert(rim.end(), e.begin(), e.end());
+  for (const mesh::Segment& e : all_rims(data, rims)) rim.insert(rim.end(), e.begin(), e.end());
   std::sort(rim.begin(), rim.end());
   rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
   std::vector<std::tuple<double, Index, Index>> pairs;
@@ -60,16 +60,16 @@ Index move_to_vertices(mesh::MeshData& data, double tolerance) {
     (other ? data.positions[p] : data.positions[v]) = other ? data.positions[v] : data.positions[p];
     ++moved;
   }
-  if (moved > 0) mesh::merge_coincident(data, tolerance);
+  if (moved > 0) mesh::merge_coincident(data, tolerance, &rims);
   return moved;
 }
 
 /// Vertices of one part onto edges of another part's rim that pass them. Returns how many moved.
-Index move_to_edges(mesh::MeshData& data, double tolerance) {
-  const TieSurface s = surface_of(data);
+Index move_to_edges(mesh::MeshData& data, double tolerance, const std::vector<mesh::Segment>& rims) {
+  const TieSurface s = surface_of(data, rims);
   const mesh::SortedPoints sorted(data.positions, used_vertices(s));
   std::vector<std::tuple<double, Index, mesh::Segment>> pairs;
-  for (const mesh::Segment& e : mesh::rim_edges(data)) {
+  for (const mesh::Segment& e : all_rims(data, rims)) {
     const Vec3 &a = data.positions[e[0]], &b = data.positions[e[1]];
     const double reach = near * (b - a).norm();
     sorted.each_near(std::array{a, b}, reach, [&](Index p) {
@@ -100,6 +100,20 @@ Index move_to_edges(mesh::MeshData& data, double tolerance) {
 
 }  // namespace
 
+namespace {
+
+/// Whether two edges at a vertex are one line: of the same curves, between as many triangles.
+bool continues(const TieSurface& s, Index p, Index one, Index two) {
+  const mesh::Segment a = mesh::ascending(p, one), b = mesh::ascending(p, two);
+  const auto names = [&](const mesh::Segment& e) {
+    const auto at = s.named.find(e);
+    return at == s.named.end() ? std::vector<std::size_t>{} : at->second;
+  };
+  return s.around.at(a).size() == s.around.at(b).size() && names(a) == names(b);
+}
+
+}  // namespace
+
 bool may_move(const mesh::MeshData& data, const TieSurface& s, Index p, const Vec3& y, double tolerance, Index onto) {
   if (s.fixed[p]) return false;
   const Vec3& x = data.positions[p];
@@ -122,9 +136,13 @@ bool may_move(const mesh::MeshData& data, const TieSurface& s, Index p, const Ve
   if (!covered || ends.empty()) return covered;
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-  return ends.size() == 2 && std::any_of(ends.begin(), ends.end(), [&](Index q) {
-           return distance_to_segment(x, y, data.positions[q]) <= reach;
-         });
+  if (ends.size() != 2 || !continues(s, p, ends[0], ends[1])) return false;
+  // Along the line, from one of its edges into the other.
+  const Vec3 &one = data.positions[ends[0]], &two = data.positions[ends[1]];
+  const auto slides = [&](const Vec3& behind, const Vec3& ahead) {
+    return distance_to_segment(x, y, behind) <= reach && distance_to_segment(y, x, ahead) <= reach;
+  };
+  return slides(one, two) || slides(two, one);
 }
 
 std::array<Vec3, 3> corners_of(const mesh::MeshData& data, Index triangle) {
@@ -145,7 +163,15 @@ double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return (a + station(p, a, b) * (b - a) - p).norm();
 }
 
-TieSurface surface_of(const mesh::MeshData& data) {
+std::vector<mesh::Segment> all_rims(const mesh::MeshData& data, const std::vector<mesh::Segment>& rims) {
+  std::vector<mesh::Segment> all = mesh::rim_edges(data);
+  all.insert(all.end(), rims.begin(), rims.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+TieSurface surface_of(const mesh::MeshData& data, const std::vector<mesh::Segment>& rims) {
   TieSurface s;
   s.star.resize(data.positions.size());
   s.size.assign(data.positions.size(), std::numeric_limits<double>::infinity());
@@ -153,7 +179,7 @@ TieSurface surface_of(const mesh::MeshData& data) {
   std::vector<std::vector<std::size_t>> groups(data.triangles.size());
   for (std::size_t g = 0; g < data.groups.size(); ++g) {
     for (const Index t : data.groups[g].triangles) groups[t].push_back(g);
-    for (const mesh::Segment& e : data.groups[g].segments) s.lines.insert(mesh::ascending(e[0], e[1]));
+    for (const mesh::Segment& e : data.groups[g].segments) s.named[mesh::ascending(e[0], e[1])].push_back(g);
     if (data.groups[g].dimension == 0)
       for (const Index v : data.groups[g].vertices) s.fixed[v] = 1;
   }
@@ -167,12 +193,16 @@ TieSurface surface_of(const mesh::MeshData& data) {
     }
   for (const auto& [edge, triangles] : s.around)
     if (triangles.size() != 2 || groups[triangles[0]] != groups[triangles[1]]) s.lines.insert(edge);
+  for (const auto& [edge, names] : s.named) s.lines.insert(edge);
+  for (const mesh::Segment& e : rims)
+    if (s.around.count(e) > 0) s.lines.insert(e);
   return s;
 }
 
-Index move_to_rims(mesh::MeshData& data, double tolerance) {
-  const Index vertices = move_to_vertices(data, tolerance);
-  return vertices + move_to_edges(data, tolerance);
+Index move_to_rims(mesh::MeshData& data, double tolerance, std::vector<mesh::Segment>& rims) {
+  if (!data.texture.empty()) return 0;  // coordinates would stay behind
+  const Index vertices = move_to_vertices(data, tolerance, rims);
+  return vertices + move_to_edges(data, tolerance, rims);
 }
 
 }  // namespace voile::geometry

@@ -16,11 +16,15 @@ struct TieSurface {
   std::vector<std::vector<Index>> star;                ///< triangles of each vertex
   std::map<mesh::Segment, std::vector<Index>> around;  ///< triangles of each edge (ascending)
   std::set<mesh::Segment> lines;  ///< edges that must stay: rims, joints, those of groups and between groups
-  std::vector<double> size;       ///< shortest edge of each vertex [m]
-  std::vector<char> fixed;        ///< whether a vertex is a group's point
+  std::map<mesh::Segment, std::vector<std::size_t>> named;  ///< groups of curves that have an edge
+  std::vector<double> size;                                 ///< shortest edge of each vertex [m]
+  std::vector<char> fixed;                                  ///< whether a vertex is a group's point
 };
 
-[[nodiscard]] TieSurface surface_of(const mesh::MeshData& data);
+/// `rims`: edges that were on rims of parts before those were merged, and still are lines.
+[[nodiscard]] TieSurface surface_of(const mesh::MeshData& data, const std::vector<mesh::Segment>& rims = {});
+/// Edges on a rim now, and `rims`. In order.
+[[nodiscard]] std::vector<mesh::Segment> all_rims(const mesh::MeshData& data, const std::vector<mesh::Segment>& rims);
 
 [[nodiscard]] std::array<Vec3, 3> corners_of(const mesh::MeshData& data, Index triangle);
 [[nodiscard]] double distance_to_triangle(const Vec3& p, const std::array<Vec3, 3>& corners);
@@ -29,7 +33,7 @@ struct TieSurface {
 [[nodiscard]] double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b);
 
 /// Moves vertices onto those and onto rims of other parts that are near. Returns how many moved.
-Index move_to_rims(mesh::MeshData& data, double tolerance);
+Index move_to_rims(mesh::MeshData& data, double tolerance, std::vector<mesh::Segment>& rims);
 
 /// Whether a vertex can move to y [m] while the sheet and its lines stay where they are. `onto`: the vertex that it becomes, if any.
 [[nodiscard]] bool may_move(const mesh::MeshData& data, const TieSurface& s, Index p, const Vec3& y, double tolerance,

@@ -54,14 +54,15 @@ std::vector<Corners> divide_polygon(const std::vector<Vec2>& points, const std::
     vertices.back()->info() = static_cast<Index>(i);
   }
   if (t.number_of_vertices() != points.size()) return {};
-  std::set<std::array<Index, 2>> rim;
+  std::set<std::array<Index, 2>> rim, all;  // CGAL takes a line that is there for one that crosses it
+  const auto put = [](std::set<std::array<Index, 2>>& to, Index a, Index b) {
+    to.insert({std::min(a, b), std::max(a, b)});
+  };
+  for (std::size_t i = 0; i < outline.size(); ++i) put(rim, outline[i], outline[(i + 1) % outline.size()]);
+  all = rim;
+  for (const auto& [a, b] : lines) put(all, a, b);
   try {
-    for (std::size_t i = 0; i < outline.size(); ++i) {
-      const Index a = outline[i], b = outline[(i + 1) % outline.size()];
-      rim.insert({std::min(a, b), std::max(a, b)});
-      t.insert_constraint(vertices[a], vertices[b]);
-    }
-    for (const auto& [a, b] : lines) t.insert_constraint(vertices[a], vertices[b]);
+    for (const auto& [a, b] : all) t.insert_constraint(vertices[a], vertices[b]);
   } catch (const PlaneTriangulation::Intersection_of_constraints_exception&) {
     return {};
   }

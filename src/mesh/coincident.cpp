@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -86,8 +87,14 @@ void drop_flat_triangles(MeshData& data) {
 /// Groups in the new numbers.
 void renumber_groups(std::vector<Group>& groups, const std::vector<Index>& number) {
   for (Group& g : groups) {
-    for (Index& v : g.vertices) v = number[v];
-    sort_unique(g.vertices);
+    std::vector<Index> named = g.places();
+    for (std::vector<Index>* all : {&g.vertices, &named, &g.added}) {
+      for (Index& v : *all) v = number[v];
+      sort_unique(*all);
+    }
+    std::vector<Index> added;
+    std::set_difference(g.added.begin(), g.added.end(), named.begin(), named.end(), std::back_inserter(added));
+    g.added = std::move(added);
     std::vector<Segment> kept;
     std::set<Segment> seen;
     for (const Segment& s : g.segments) {
@@ -152,7 +159,7 @@ Coincidence find_coincident(const MeshData& data, double tolerance) {
   return c;
 }
 
-Index merge_coincident(MeshData& data, double tolerance) {
+Index merge_coincident(MeshData& data, double tolerance, std::vector<Segment>* edges) {
   if (!(tolerance > 0.0)) return 0;
   const std::vector<Index> target = targets(data, tolerance);
   for (std::size_t k = 0; k < data.triangles.size(); ++k) {
@@ -164,10 +171,10 @@ Index merge_coincident(MeshData& data, double tolerance) {
         "{:.6g}) has no area; make merge_tolerance smaller than its sides",
         data.source, tolerance, k < data.triangle_tags.size() ? data.triangle_tags[k] : k + 1, x[0], x[1], x[2]));
   }
-  return join_vertices(data, target);
+  return join_vertices(data, target, edges);
 }
 
-Index join_vertices(MeshData& data, const std::vector<Index>& target) {
+Index join_vertices(MeshData& data, const std::vector<Index>& target, std::vector<Segment>* edges) {
   const auto before = data.positions.size();
   std::vector<Index> number(target.size(), no_index);
   std::size_t kept = 0;
@@ -185,6 +192,11 @@ Index join_vertices(MeshData& data, const std::vector<Index>& target) {
     for (Index& v : t) v = number[v];
   drop_flat_triangles(data);
   renumber_groups(data.groups, number);
+  if (edges) {
+    for (Segment& e : *edges) e = ascending(number[e[0]], number[e[1]]);
+    std::erase_if(*edges, [](const Segment& e) { return e[0] == e[1]; });
+    sort_unique(*edges);
+  }
   return static_cast<Index>(before - kept);
 }
 

@@ -30,11 +30,11 @@ struct Coincidence {
 /// Makes one of vertices that lie closer together than `tolerance` [m], also through others, if one of them is on a boundary
 /// edge; the one with the lowest number stays. Where a part ends inside another they are joined (surface_mesh.hpp). Layers that lie on each other stay apart inside their boundaries. Groups follow; line
 /// elements and vertices that are then there twice are dropped. Returns how many vertices went. Not collective.
-/// Throws UserError if the tolerance lets a triangle collapse.
-Index merge_coincident(MeshData& data, double tolerance);
+/// `edges`: ascending pairs of vertices that take the new numbers. Throws UserError if the tolerance lets a triangle collapse.
+Index merge_coincident(MeshData& data, double tolerance, std::vector<Segment>* edges = nullptr);
 
 /// Each vertex v becomes target[v], which is its own target. Groups follow; triangles that then have a vertex twice are dropped,
-/// line elements that are there twice too. Returns how many vertices went. Not collective.
-Index join_vertices(MeshData& data, const std::vector<Index>& target);
+/// line elements that are there twice too. `edges` as above. Returns how many vertices went. Not collective.
+Index join_vertices(MeshData& data, const std::vector<Index>& target, std::vector<Segment>* edges = nullptr);
 
 }  // namespace voile::mesh

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <array>
 #include <compare>
+#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
@@ -53,6 +54,14 @@ struct Group {
   std::vector<Index> vertices;    ///< all vertices of the group, ascending, without repetition
   std::vector<Segment> segments;  ///< its line elements (dimension 1)
   std::vector<Index> triangles;   ///< its triangles (dimension 2), ascending
+  std::vector<Index> added{};     ///< of the vertices those that the file does not name: a tie divides its lines there
+
+  /// Where what acts on each of its vertices does: those that the file names.
+  [[nodiscard]] std::vector<Index> places() const {
+    std::vector<Index> of;
+    std::set_difference(vertices.begin(), vertices.end(), added.begin(), added.end(), std::back_inserter(of));
+    return of;
+  }
 };
 
 /// Vertices that are to become one: the two sides of a line along which pieces are sewn together. Open until weld()

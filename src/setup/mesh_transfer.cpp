@@ -26,6 +26,7 @@ void broadcast_groups(MPI_Comm comm, std::vector<mesh::Group>& groups) {
     mpi::broadcast(comm, segments);
     mpi::broadcast(comm, g.vertices);
     mpi::broadcast(comm, g.triangles);
+    mpi::broadcast(comm, g.added);
     g.dimension = segments[0];
     g.segments.clear();
     for (std::size_t i = 1; i < segments.size(); i += 2) g.segments.push_back({segments[i], segments[i + 1]});
@@ -103,15 +104,23 @@ void note_gaps(mesh::MeshData& data, double tolerance) {
         h.count, gap, h.place[0], h.place[1], h.place[2], tolerance));
 }
 
-void tie(mesh::MeshData& data, double tolerance) {
-  if (geometry::find_hanging(data, tolerance).count > 0) {
-    const geometry::Tied tied = geometry::tie_parts(data, tolerance);
+/// Makes one mesh of parts that touch.
+void join_parts(mesh::MeshData& data, const formats::MeshOptions& options) {
+  const double given = options.merge_tolerance;
+  const double tolerance = given > 0.0 ? given : mesh::default_merge_tolerance(data);
+  std::vector<mesh::Segment> rims = mesh::rim_edges(data);
+  const Index gone = mesh::merge_coincident(data, tolerance, &rims);
+  formats::renew_boundary(data);
+  if (gone > 0) data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
+  if (options.rest == formats::RestShape::texture) return;
+  if (geometry::find_hanging(data, tolerance, geometry::Beside::counted, rims).count > 0) {
+    const geometry::Tied tied = geometry::tie_parts(data, tolerance, std::move(rims));
     formats::renew_boundary(data);
     data.notes.push_back(
-        fmt::format("parts whose meshes do not match were tied: {} vertices lie on edges or triangles of another part, "
-                    "and {} triangles "
-                    "were divided there",
-                    tied.vertices, tied.triangles));
+        fmt::format("parts whose meshes do not match were tied: {} vertices moved onto others or onto edges, {} lie on "
+                    "edges or triangles of "
+                    "another part, and {} triangles were divided there",
+                    tied.moved, tied.vertices, tied.triangles));
   }
   note_gaps(data, tolerance);
 }
@@ -122,13 +131,7 @@ mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, co
   mesh::MeshData data;
   mpi::on_root(comm, [&] {
     data = formats::read_mesh(file.string(), options);
-    if (!options.merge) return;
-    const double given = options.merge_tolerance;
-    const double tolerance = given > 0.0 ? given : mesh::default_merge_tolerance(data);
-    const Index gone = mesh::merge_coincident(data, tolerance);
-    formats::renew_boundary(data);
-    if (gone > 0) data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
-    if (options.rest != formats::RestShape::texture) tie(data, tolerance);
+    if (options.merge) join_parts(data, options);
   });
   broadcast_mesh(comm, data);
   // The same data give the same verdict on every rank, so this throws everywhere or nowhere.

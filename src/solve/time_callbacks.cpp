@@ -100,6 +100,14 @@ PetscErrorCode TimeIntegration::Impl::make_positive(void* self, PetscBool* chang
   });
 }
 
+void TimeIntegration::Impl::set_start(system::StepStart& start, Vec x, Vec v, double time, double size) {
+  if (!start.u) start = {model.dofs().create_vector(), model.dofs().create_vector()};
+  VOILE_PETSC(VecCopy(x, start.u));
+  VOILE_PETSC(VecCopy(v, start.v));
+  start.time = time;
+  start.size = size;
+}
+
 PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, PetscReal step) {
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] {
@@ -108,13 +116,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
     n.dynamics.set_time(t);
     n.dynamics.start_step(x, v, step);
     VOILE_PETSC(VecCopy(x, n.start));
-    if (n.remembers_start()) {
-      if (!n.under_way.u) n.under_way = {n.model.dofs().create_vector(), n.model.dofs().create_vector()};
-      VOILE_PETSC(VecCopy(x, n.under_way.u));
-      VOILE_PETSC(VecCopy(v, n.under_way.v));
-      n.under_way.time = t;
-      n.under_way.size = step;
-    }
+    if (n.remembers_start()) n.set_start(n.under_way, x, v, t, step);
     n.test.see(x);
     n.model.potential().count_from(x);  // so that a restart chooses its first guess by the same figures
     if (!n.model.contact()) n.positive_left = 0;
@@ -158,6 +160,11 @@ PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x,
   return petsc::guarded([&] {
     double h = 0.0;
     VOILE_PETSC(TSGetTimeStep(n.ts, &h));
+    if (n.coming.u) {
+      std::swap(n.under_way, n.coming);
+      n.dynamics.set_time(n.under_way.time);
+      n.dynamics.start_step(n.under_way.u, n.under_way.v, n.under_way.size);
+    }
     n.dynamics.set_time(t);
     VOILE_PETSC(VecZeroEntries(a));
     n.dynamics.residual(x, v, a, n.trial);
@@ -166,7 +173,11 @@ PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x,
     VOILE_PETSC(VecScale(a, -1.0));
     if (n.account) n.account->take_forces(n.start, x, x, v, a);
     VOILE_PETSC(VecCopy(x, n.start));
-    n.dynamics.start_step(x, v, h);  // drag and viscosity of the next half step
+    // Drag and viscosity of the next half step, from when that begins: what is recorded here has those of this one.
+    if (n.remembers_start())
+      n.set_start(n.coming, x, v, t, h);
+    else
+      n.dynamics.start_step(x, v, h);
   });
 }
 

@@ -120,6 +120,7 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
     set_explicit_step(from);
     VOILE_PETSC(VecCopy(from.u, start));
     dynamics.start_step(from.u, from.v, options.step);
+    if (remembers_start()) set_start(coming, from.u, from.v, from.time, options.step);
     return;
   }
   const bool contact = model.contact() != nullptr, damped = damps_stiffly(model, dynamics.options());
@@ -213,21 +214,20 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
   if (account && explicit_method) account->end_step(state.u, state.v, before, state.time);
   if (account) state.balance = account->balance();
   model.potential().end_step(state.u);
-  if (model.conditions().has_gas()) model.conditions().end_leaks(model.potential().configuration(state.u), state.time);
+  if (model.conditions().has_gas()) {
+    model.conditions().end_leaks(model.potential().configuration(state.u), state.time);
+    if (account && !model.conditions().leaks().empty()) account->renew(state.u, state.v, state.a);
+  }
   state.load_factor = model.conditions().load_factor();
   if (model.contact()) state.contact = model.contact()->memory();
   state.solver = solver_memory();
   state.in_equilibrium = false;
   if (!under_way.u) return;
-  if (!state.last.u) state.last = {model.dofs().create_vector(), model.dofs().create_vector()};
-  VOILE_PETSC(VecCopy(under_way.u, state.last.u));
-  VOILE_PETSC(VecCopy(under_way.v, state.last.v));
-  state.last.time = under_way.time;
-  state.last.size = under_way.size;
+  set_start(state.last, under_way.u, under_way.v, under_way.time, under_way.size);
 }
 
 bool TimeIntegration::Impl::remembers_start() const {
-  return !explicit_method && (damps_stiffly(model, dynamics.options()) || dynamics.options().drag.active());
+  return damps_stiffly(model, dynamics.options()) || dynamics.options().drag.active();
 }
 
 /// The state stays the last accepted one.

@@ -57,6 +57,7 @@ struct TimeIntegration::Impl {
     system::StabilityMemory memory;
     petsc::VecHandle mode;
   } stability;
+  system::StepStart coming;     ///< of the explicit method: where the next step starts
   system::StepStart under_way;  ///< the step, if forces depend on it
   /// Of the tangent in force: its state, owned by the TS, what stands before its velocity and acceleration, its kind.
   struct {
@@ -126,6 +127,7 @@ struct TimeIntegration::Impl {
                                  void* self);
   /// Whether forces at the end of a step depend on its start.
   [[nodiscard]] bool remembers_start() const;
+  void set_start(system::StepStart& start, Vec x, Vec v, double time, double size);
 
   static PetscErrorCode start_step(void* self, Vec x, Vec v, PetscReal step);
   static PetscErrorCode exactly(void* self);

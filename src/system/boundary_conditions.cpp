@@ -73,7 +73,7 @@ void check_gravity(const Discretisation& on, const Load& load) {
 
 void spread(const Discretisation& on, const Load& load, const AddForce& add) {
   if (load.kind == Load::Kind::point)
-    for (Index v : on.mesh().group(load.group).vertices) add(v, load.vector);
+    for (const Index v : on.mesh().group(load.group).places()) add(v, load.vector);
   else if (load.kind == Load::Kind::line)
     add_line_load(on.mesh(), load, add);
   else
@@ -325,7 +325,7 @@ void BoundaryConditions::build_loads(const std::vector<Load>& loads, const std::
       if (masses.empty()) check_gravity(*on_, load);
       const std::vector<char> weighs = vertices_under(on_->mesh(), load);
       for (const PointMass& m : masses)
-        for (Index v : on_->mesh().group(m.group).vertices)
+        for (const Index v : on_->mesh().group(m.group).places())
           if (weighs[v]) add(v, m.mass * load.vector);
     }
     spread(*on_, load, add);

@@ -39,7 +39,7 @@ void ConstantMatrices::lump(const std::vector<PointMass>& masses) {
     for (Index v : mesh.triangles()[t]) (void)add(v, (density > 0.0 ? density : 1.0) * area / 3.0);
   }
   for (const PointMass& m : masses)
-    for (Index v : mesh.group(m.group).vertices) {
+    for (const Index v : mesh.group(m.group).places()) {
       take_body_mass(v, m.mass, extra_body_mass_);
       if (add(v, m.mass) && !on_->is_on_body({v})) masses_.emplace_back(on_->owned(v), m.mass);
     }

@@ -75,6 +75,7 @@ void Dynamics::resume_step(const StepStart& start) {
   const auto set_time = [&](double time) {
     model_.conditions().set_time(time);
     model_.potential().set_time(time);
+    if (options_.drag.wind_in_time) drag_->kernel.set_wind(options_.drag.wind_in_time(time));
   };
   set_time(start.time);
   remember(start.u, start.v, start.size);

@@ -97,6 +97,11 @@ void EnergyAccount::take_stage(Vec u, Vec v, Vec a, Vec displacement) {
   dynamics_.model().conditions().add_external(-1.0, now_.loads);
 }
 
+void EnergyAccount::renew(Vec u, Vec v, Vec a) {
+  VOILE_PETSC(VecZeroEntries(displacement_));
+  take_stage(u, v, a, displacement_);
+}
+
 void EnergyAccount::take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a) {
   VOILE_PETSC(VecCopy(u_0, start_));
   VOILE_PETSC(VecWAXPY(displacement_, -1.0, u_0, u_1));

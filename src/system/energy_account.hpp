@@ -24,6 +24,9 @@ class EnergyAccount {
 
   [[nodiscard]] const EnergyBalance& balance() const { return balance_; }
 
+  /// Forces at the end of the last step are others than in it: a gas has leaked. Collective.
+  void renew(Vec u, Vec v, Vec a);
+
  private:
   struct Levels {
     double kinetic = 0.0, internal = 0.0, contact = 0.0;

@@ -209,7 +209,7 @@ TEST_CASE("a tolerance beyond the height of a triangle is refused") {
 
 TEST_CASE("a polygon is divided along lines, and not if they cross") {
   const std::vector<Vec2> points{{0, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 1.2}};
-  const auto parts = geometry::divide_polygon(points, {0, 1, 2, 3, 4}, {{1, 5}});
+  const auto parts = geometry::divide_polygon(points, {0, 1, 2, 3, 4}, {{1, 5}, {5, 1}});
   double sum = 0.0;
   bool along = false;
   for (const auto& [a, b, c] : parts) {
