@@ -107,7 +107,7 @@ class CaseWriter {
 
   [[nodiscard]] std::vector<char> vertices_of(const std::string& where) const {
     std::vector<char> at(mesh_.positions.size(), 0);
-    if (const mesh::Group* group = group_of(where))
+    if (const mesh::Group* group = group_named(mesh_, where, true))
       for (const Index v : group->vertices) at[static_cast<std::size_t>(v)] = 1;
     if (!is_number(where)) return at;
     const auto tag =

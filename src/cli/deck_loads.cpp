@@ -72,7 +72,7 @@ std::string temperature_of(const Deck& deck, const mesh::MeshData& mesh, std::ve
   double before = 0.0;
   std::optional<double> after;
   for (const Deck::Temperature& t : deck.temperatures) {
-    const mesh::Group* group = group_named(mesh, t.where);
+    const mesh::Group* group = group_named(mesh, t.where, true);
     if (!group || group->vertices.size() < mesh.positions.size()) {
       left.push_back(fmt::format("{} {}: it is not of all nodes; give a [[temperature]] with a surface as its group",
                                  t.initial ? "*INITIAL CONDITIONS, TYPE=TEMPERATURE" : "*TEMPERATURE", t.where));

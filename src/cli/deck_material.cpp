@@ -58,10 +58,11 @@ std::string rubber_of(const Deck::Material& m) {
 
 }  // namespace
 
-const mesh::Group* group_named(const mesh::MeshData& mesh, const std::string& name) {
-  const auto at = std::find_if(mesh.groups.begin(), mesh.groups.end(),
-                               [&](const mesh::Group& g) { return same_name(g.name, name); });
-  return at == mesh.groups.end() ? nullptr : &*at;
+const mesh::Group* group_named(const mesh::MeshData& mesh, const std::string& name, bool nodes) {
+  const mesh::Group* found = nullptr;
+  for (const mesh::Group& g : mesh.groups)
+    if (same_name(g.name, name) && (!found || nodes == (g.dimension < found->dimension))) found = &g;
+  return found;
 }
 
 bool same_name(const std::string& a, const std::string& b) {
@@ -119,6 +120,8 @@ DeckMaterial deck_material(const Deck& deck, const Deck::Section& s, const Squar
   if (m.expansion[0] != 0.0 || m.expansion[1] != 0.0)
     made.text += m.orthotropic ? fmt::format("expansion_1 = {}\nexpansion_2 = {}\n", m.expansion[0], m.expansion[1])
                                : fmt::format("expansion = {}\n", m.expansion[0]);
+  if (!m.orthotropic && m.expansion[0] != m.expansion[1])
+    made.left.push_back(fmt::format("*EXPANSION, TYPE=ORTHO of {}, which is isotropic: the first is taken", name));
   double thickness = s.thickness;
   for (const Deck::Ply& p : s.plies) thickness += p.thickness;
   if (layered)

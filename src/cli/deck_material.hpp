@@ -19,8 +19,8 @@ struct SquareToX {
 };
 /// Names of sets are alike whatever their capitals.
 [[nodiscard]] bool same_name(const std::string& a, const std::string& b);
-/// The group of that name, or none; of `mesh`.
-[[nodiscard]] const mesh::Group* group_named(const mesh::MeshData& mesh, const std::string& name);
+/// The group of `mesh` of that name, or none: of nodes and elements those of nodes if asked for.
+[[nodiscard]] const mesh::Group* group_named(const mesh::MeshData& mesh, const std::string& name, bool nodes = false);
 
 [[nodiscard]] SquareToX square_to_x(const mesh::MeshData& mesh, const mesh::Group* group);
 /// Without an orientation material axis 1 is along x, and along z where x is normal to the sheet.

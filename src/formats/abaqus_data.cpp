@@ -117,7 +117,7 @@ void AbaqusDeckReader::orient(long normal) {
 }
 
 void AbaqusDeckReader::take_support(const AbaqusWords& words) {
-  Deck::Support& s = deck_.supports[words[0]];
+  Deck::Support& s = deck_.supports[place_of(words[0])];
   const std::string name = words.size() > 1 ? abaqus_upper(words[1]) : "";
   if (name == "ENCASTRE") {
     s.held.fill(true);
@@ -157,7 +157,7 @@ void AbaqusDeckReader::take_amplitude(const AbaqusWords& words) {
 void AbaqusDeckReader::take_force(const AbaqusWords& words) {
   const long direction = whole(words, 1);
   if (direction < 1 || direction > 3) return leave(fmt::format("*CLOAD {}: a moment", words[0]));
-  Deck::Load load{Deck::Load::Kind::force, words[0], {}, 0.0, amplitude_};
+  Deck::Load load{Deck::Load::Kind::force, place_of(words[0]), {}, 0.0, amplitude_};
   load.vector[static_cast<std::size_t>(direction - 1)] = number(words, 2);
   deck_.loads.push_back(load);
 }
@@ -165,11 +165,14 @@ void AbaqusDeckReader::take_force(const AbaqusWords& words) {
 void AbaqusDeckReader::take_pressure(const AbaqusWords& words) {
   const std::string label = words.size() > 1 ? abaqus_upper(words[1]) : "";
   if (label == "P") {
-    deck_.loads.push_back({Deck::Load::Kind::pressure, words[0], {}, number(words, 2), amplitude_});
+    deck_.loads.push_back({Deck::Load::Kind::pressure, place_of(words[0]), {}, number(words, 2), amplitude_});
   } else if (label == "GRAV") {
-    Deck::Load load{Deck::Load::Kind::gravity, words[0], {}, 0.0, amplitude_};
-    for (std::size_t k = 0; k < 3; ++k)
-      load.vector[k] = number(words, 2) * (words.size() > 3 + k ? number(words, 3 + k) : 0.0);
+    Deck::Load load{Deck::Load::Kind::gravity, place_of(words[0]), {}, 0.0, amplitude_};
+    Vec3 direction = Vec3::Zero();
+    for (std::size_t k = 0; k < 3 && 3 + k < words.size(); ++k)
+      direction[static_cast<Eigen::Index>(k)] = words[3 + k].empty() ? 0.0 : number(words, 3 + k);
+    if (direction.norm() > 0.0) direction.normalize();
+    for (std::size_t k = 0; k < 3; ++k) load.vector[k] = number(words, 2) * direction[static_cast<Eigen::Index>(k)];
     deck_.loads.push_back(load);
   } else {
     leave(fmt::format("*DLOAD {}, {}", words[0], label));
@@ -195,7 +198,7 @@ void AbaqusDeckReader::take_rubber(const AbaqusWords& words) {
 void AbaqusDeckReader::take_surface(const AbaqusWords& words) {
   const std::string side = words.size() > 1 ? abaqus_upper(words[1]) : "";
   if (side == "SPOS" || side == "SNEG")
-    surfaces_[abaqus_upper(parameters_["NAME"])].push_back({words[0], side == "SPOS"});
+    surfaces_[abaqus_upper(parameters_["NAME"])].push_back({place_of(words[0]), side == "SPOS"});
 }
 
 /// Positive against the normal of the surface, where that of elements (*DLOAD) is along it.
@@ -211,7 +214,7 @@ void AbaqusDeckReader::take_surface_pressure(const AbaqusWords& words) {
 }
 
 void AbaqusDeckReader::take_temperature(const AbaqusWords& words) {
-  deck_.temperatures.push_back({words[0], number(words, 1), data_ == Data::initial_temperature});
+  deck_.temperatures.push_back({place_of(words[0]), number(words, 1), data_ == Data::initial_temperature});
   if (words.size() > 2) leave(fmt::format("{} {}: temperatures over the thickness", keyword_, words[0]));
 }
 
@@ -222,8 +225,8 @@ void AbaqusDeckReader::take_procedure(const AbaqusWords& words) {
       if (deck_.procedure == Procedure::frequency && !words[k].empty())
         leave(fmt::format("*FREQUENCY, a bound or shift of {}: the lowest modes are found", words[k]));
   } else if (words.size() > 1) {
-    deck_.step = number(words, 0);
     deck_.end = number(words, 1);
+    deck_.step = words[0].empty() ? 0.01 * deck_.end : number(words, 0);  // of an explicit step, which finds its own
   }
   data_ = Data::none;
 }

@@ -15,10 +15,10 @@ namespace {
 /// Keywords that the mesh reader takes, or that only say what is written.
 const std::set<std::string>& passed_over() {
   static const std::set<std::string> all{
-      "*NODE",          "*ELEMENT",      "*PART",          "*END PART", "*ASSEMBLY", "*END ASSEMBLY", "*INSTANCE",
-      "*END INSTANCE",  "*END STEP",     "*PREPRINT",      "*RESTART",  "*OUTPUT",   "*NODE OUTPUT",  "*ELEMENT OUTPUT",
-      "*NODE PRINT",    "*NODE FILE",    "*EL PRINT",      "*EL FILE",  "*PRINT",    "*FILE FORMAT",  "*MONITOR",
-      "*CONTACT PRINT", "*ENERGY PRINT", "*ENERGY OUTPUT", "*SYSTEM"};
+      "*NODE",        "*ELEMENT",        "*PART",       "*END PART",      "*ASSEMBLY",     "*END ASSEMBLY",
+      "*INSTANCE",    "*END INSTANCE",   "*END STEP",   "*PREPRINT",      "*RESTART",      "*OUTPUT",
+      "*NODE OUTPUT", "*ELEMENT OUTPUT", "*NODE PRINT", "*NODE FILE",     "*EL PRINT",     "*EL FILE",
+      "*PRINT",       "*FILE FORMAT",    "*MONITOR",    "*CONTACT PRINT", "*ENERGY PRINT", "*ENERGY OUTPUT"};
   return all;
 }
 
@@ -44,6 +44,7 @@ void AbaqusDeckReader::begin(const std::string& text, int depth) {
   data_ = Data::none;
   if (keyword == "*INCLUDE") return include(depth);
   if (keyword == "*NSET" || keyword == "*ELSET") return note_set(keyword);
+  if (keyword == "*ASSEMBLY" || keyword == "*END ASSEMBLY") in_assembly_ = keyword == "*ASSEMBLY";
   if (keyword == "*HEADING") {
     data_ = Data::title;
   } else if (keyword == "*TIE") {
@@ -53,6 +54,7 @@ void AbaqusDeckReader::begin(const std::string& text, int depth) {
       fail_in_line(file_, line_, "*TIE: POSITION TOLERANCE is no number");
   } else if (keyword == "*STEP") {
     if (++steps_ > 1) leave("a second *STEP; only the first is taken");
+    ramp_ = ramp_ || abaqus_upper(parameters_["AMPLITUDE"]) == "RAMP";
     nonlinear_ = nonlinear_ || (parameters_.contains("NLGEOM") && abaqus_upper(parameters_["NLGEOM"]) != "NO");
   } else if (steps_ > 1) {
     data_ = Data::skipped;
@@ -66,7 +68,23 @@ void AbaqusDeckReader::begin(const std::string& text, int depth) {
 
 void AbaqusDeckReader::note_set(const std::string& keyword) {
   const bool nodes = keyword == "*NSET";
-  (nodes ? deck_.node_sets : deck_.element_sets).push_back(parameters_[nodes ? "NSET" : "ELSET"]);
+  const std::string name = parameters_[nodes ? "NSET" : "ELSET"];
+  const auto is_same = [&](const std::string& other) { return abaqus_upper(other) == abaqus_upper(name); };
+  if (in_assembly_ && assembly_sets_.insert(abaqus_upper(name)).second) {
+    for (std::vector<std::string>* sets : {&deck_.node_sets, &deck_.element_sets})
+      for (std::string& other : *sets)
+        if (is_same(other)) other = abaqus_part_set(other);
+    for (Deck::Section& s : deck_.sections)
+      if (is_same(s.elements)) s.elements = abaqus_part_set(s.elements);
+  }
+  (nodes ? deck_.node_sets : deck_.element_sets).push_back(name);
+}
+
+std::string AbaqusDeckReader::place_of(const std::string& word) const {
+  for (const std::vector<std::string>* sets : {&deck_.node_sets, &deck_.element_sets})
+    for (const std::string& name : *sets)
+      if (abaqus_upper(name) == abaqus_upper(word)) return word;
+  return abaqus_without_instance(word);
 }
 
 /// Materials and sections.
@@ -152,9 +170,11 @@ bool AbaqusDeckReader::begin_step(const std::string& keyword) {
     data_ = Data::surface_pressure;
   } else if (keyword == "*TEMPERATURE") {
     data_ = parameters_.contains("FILE") ? Data::unread : Data::temperature;
+    if (parameters_.contains("AMPLITUDE")) leave("*TEMPERATURE, AMPLITUDE: its values are taken as they are");
     if (data_ == Data::unread) leave("*TEMPERATURE, FILE");
   } else if (keyword == "*STATIC" || keyword == "*FREQUENCY" || keyword == "*BUCKLE" || keyword == "*DYNAMIC") {
     data_ = Data::procedure;
+    if (ramp_ && keyword == "*DYNAMIC") leave("*STEP, AMPLITUDE=RAMP: loads act in full from the start");
     deck_.procedure = keyword == "*FREQUENCY"        ? Procedure::frequency
                       : keyword == "*BUCKLE"         ? Procedure::buckle
                       : keyword == "*DYNAMIC"        ? Procedure::dynamic

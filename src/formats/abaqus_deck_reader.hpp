@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +54,8 @@ class AbaqusDeckReader {
   void read(int depth);
   void begin(const std::string& text, int depth);
   void note_set(const std::string& keyword);
+  /// A set as the deck calls it, or the number of a node or element, without the instance before it.
+  [[nodiscard]] std::string place_of(const std::string& word) const;
   bool begin_model(const std::string& keyword);
   bool begin_amplitude();
   std::string amplitude_of(const std::string& keyword);
@@ -89,7 +92,7 @@ class AbaqusDeckReader {
   std::size_t line_ = 0;
   Data data_ = Data::none;
   int steps_ = 0;
-  bool nonlinear_ = false, symmetric_ = false;
+  bool nonlinear_ = false, symmetric_ = false, in_assembly_ = false, ramp_ = false;
   std::array<double, 6> points_{};
   /// Elements of a surface, and whether it is their positive side.
   struct Side {
@@ -97,6 +100,7 @@ class AbaqusDeckReader {
     bool positive;
   };
   std::map<std::string, std::vector<Side>> surfaces_;
+  std::set<std::string> assembly_sets_;  ///< in capitals
   Deck deck_;
 };
 

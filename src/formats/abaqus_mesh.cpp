@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "abaqus_words.hpp"
@@ -69,7 +70,7 @@ class AbaqusReader {
   }
 
  private:
-  enum class Section { other, nodes, elements, skipped_elements, node_set, element_set };
+  enum class Section { other, nodes, elements, skipped_elements, node_set, element_set, system };
 
   /// One file, and those that it includes.
   void read(const std::string& all, int depth) {
@@ -113,6 +114,9 @@ class AbaqusReader {
     if (keyword == "*NODE") {
       section_ = Section::nodes;
       set_ = parameter("NSET");
+      if (const std::string system = abaqus_upper(parameter("SYSTEM")); !system.empty() && system != "R")
+        fail_in_line(file_, line_,
+                     "*NODE, SYSTEM=" + system + ": coordinates along curves are not read; write x, y and z");
     } else if (keyword == "*ELEMENT") {
       section_ = Section::elements;
       set_ = parameter("ELSET");
@@ -123,11 +127,15 @@ class AbaqusReader {
       skipped_.emplace(type_, 0);
     } else if (keyword == "*NSET") {
       section_ = Section::node_set;
-      set_ = parameter("NSET");
+      begin_set(parameter("NSET"));
       if (parameters.count("ELSET")) add_nodes_of(parameter("ELSET"));
     } else if (keyword == "*ELSET") {
       section_ = Section::element_set;
-      set_ = parameter("ELSET");
+      begin_set(parameter("ELSET"));
+    } else if (keyword == "*SYSTEM") {
+      section_ = Section::system;
+    } else if (keyword == "*ASSEMBLY" || keyword == "*END ASSEMBLY") {
+      in_assembly_ = keyword == "*ASSEMBLY";
     } else if (keyword == "*INCLUDE") {
       section_ = before;
       include(parameter("INPUT"), depth);
@@ -141,8 +149,34 @@ class AbaqusReader {
     }
   }
 
+  /// Whatever its capitals.
+  template <class Sets>
+  [[nodiscard]] static auto find_set(Sets& sets, const std::string& name) {
+    const auto exactly = sets.find(name);
+    if (exactly != sets.end()) return exactly;
+    return std::find_if(sets.begin(), sets.end(),
+                        [&](const auto& s) { return abaqus_upper(s.first) == abaqus_upper(name); });
+  }
+
+  /// The assembly's sets are others than those of the part, whatever they are called.
+  void begin_set(const std::string& name) {
+    set_ = name;
+    if (!in_assembly_ || !assembly_sets_.insert(abaqus_upper(name)).second) return;
+    const auto rename = [&](auto& sets) {
+      const auto of_part = find_set(sets, name);
+      if (of_part == sets.end()) return;
+      auto set = sets.extract(of_part);
+      set.key() = abaqus_part_set(set.key());
+      sets.insert(std::move(set));
+    };
+    rename(node_sets_);
+    rename(element_sets_);
+  }
+
   void read_data(const Words& words) {
     switch (section_) {
+      case Section::system:
+        fail_in_line(file_, line_, "*SYSTEM is not read; write the nodes in global axes");
       case Section::nodes:
         return add_node(words);
       case Section::elements:
@@ -196,11 +230,16 @@ class AbaqusReader {
       if (node == nodes_.end()) fail_in_line(file_, line_, fmt::format("there is no node {}", words[k]));
       nodes.push_back(node->second);
     }
+    // A quadrangle with a node twice is a triangle.
+    if (shape_.nodes == 4 && nodes.size() == 4) nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    if (shape_.nodes == 4 && nodes.size() > 1 && nodes.front() == nodes.back()) nodes.pop_back();
+    const bool collapsed = shape_.nodes == 4 && nodes.size() == 3;
     if (elements_.count(tag) || lines_.count(tag))
       fail_in_line(file_, line_, fmt::format("element {} is there twice", tag));
     if (shape_.corners > 2 && shape_.nodes > shape_.corners) ++second_order_;
     const Index split_before = mesh_.split;
-    for (const std::vector<std::size_t>& part : first_order_parts(shape_.corners, shape_.nodes)) {
+    for (const std::vector<std::size_t>& part :
+         first_order_parts(collapsed ? 3 : shape_.corners, collapsed ? 3 : shape_.nodes)) {
       std::vector<Index> corners;
       for (const std::size_t i : part) corners.push_back(nodes[i]);
       if (shape_.corners == 2) {
@@ -225,8 +264,12 @@ class AbaqusReader {
       for (long k = first; k <= last; k += step) members.push_back(k);
       return;
     }
-    for (const std::string& word : words) {
-      const auto named = sets.find(word);
+    for (const std::string& whole : words) {
+      long tag = 0;
+      const std::string word = abaqus_without_instance(whole);
+      const auto named = sets.count(whole) == 0 && parse_integer(word, tag) ? sets.end()
+                         : sets.count(whole) > 0                            ? sets.find(whole)
+                                                                            : find_set(sets, word);
       if (named != sets.end()) {
         const std::vector<long> copy = named->second;
         members.insert(members.end(), copy.begin(), copy.end());
@@ -238,7 +281,7 @@ class AbaqusReader {
 
   /// *NSET, ELSET: the nodes of its elements.
   void add_nodes_of(const std::string& elements) {
-    const auto named = element_sets_.find(elements);
+    const auto named = find_set(element_sets_, abaqus_without_instance(elements));
     if (named == element_sets_.end())
       fail_in_line(file_, line_, fmt::format("*NSET, ELSET={}: there is no such set above; define it first", elements));
     std::vector<long>& members = node_sets_[set_];
@@ -296,7 +339,8 @@ class AbaqusReader {
   std::string set_, type_;
   Shape shape_;
   int parts_ = 0;
-  bool generate_ = false, in_instance_ = false;
+  bool generate_ = false, in_instance_ = false, in_assembly_ = false;
+  std::set<std::string> assembly_sets_;  ///< in capitals
   std::size_t line_ = 0, second_order_ = 0;
   std::map<std::string, std::size_t> skipped_;  ///< elements by their types
   std::map<long, Index> nodes_;

@@ -60,4 +60,15 @@ inline std::map<std::string, std::string> abaqus_parameters(const AbaqusWords& w
   return parameters;
 }
 
+/// What a part's set is called where the assembly has one of the same name.
+inline std::string abaqus_part_set(const std::string& name) {
+  return name + "_part";
+}
+
+/// A name or number without the instance before it, as in "Plate-1.Edge".
+inline std::string abaqus_without_instance(const std::string& name) {
+  const std::size_t dot = name.rfind('.');
+  return dot == std::string::npos ? name : name.substr(dot + 1);
+}
+
 }  // namespace voile::formats

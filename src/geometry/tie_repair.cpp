@@ -104,6 +104,20 @@ bool keeps_topology(const mesh::MeshData& data, const TieSurface& s, Index p, In
   return common == s.around.at(mesh::ascending(p, onto)).size();
 }
 
+/// Points and curves of the file that name each vertex: what acts on each of their vertices must not lose one.
+std::vector<std::vector<std::size_t>> names_of(const mesh::MeshData& data) {
+  std::vector<std::vector<std::size_t>> names(data.positions.size());
+  for (std::size_t g = 0; g < data.groups.size(); ++g)
+    if (data.groups[g].dimension < 2 && !(data.finds_boundary && data.groups[g].name.starts_with("boundary")))
+      for (const Index v : data.groups[g].places()) names[v].push_back(g);
+  return names;
+}
+
+bool share_name(const std::vector<std::size_t>& one, const std::vector<std::size_t>& other) {
+  return std::any_of(one.begin(), one.end(),
+                     [&](std::size_t g) { return std::find(other.begin(), other.end(), g) != other.end(); });
+}
+
 /// Joins vertices at the shortest sides of slivers. Returns whether there were any.
 bool join_short_sides(mesh::MeshData& data, std::vector<char>& touched, double tolerance) {
   const TieSurface s = surface_of(data);
@@ -121,12 +135,15 @@ bool join_short_sides(mesh::MeshData& data, std::vector<char>& touched, double t
   std::vector<Index> target(x.size());
   std::iota(target.begin(), target.end(), Index{0});
   bool any = false;
+  const std::vector<std::vector<std::size_t>> names = names_of(data);
   for (const auto& [length, a, b] : sides)
     for (const auto& [p, onto] : {std::pair(a, b), std::pair(b, a)}) {
       std::set<Index> around = neighbours(data, s, p);
       around.insert(p);
       if (std::any_of(around.begin(), around.end(), [&](Index v) { return busy[v]; })) continue;
-      if (!keeps_topology(data, s, p, onto) || !may_move(data, s, p, x[onto], tolerance, onto)) continue;
+      if (share_name(names[p], names[onto]) || !keeps_topology(data, s, p, onto) ||
+          !may_move(data, s, p, x[onto], tolerance, onto))
+        continue;
       if (smallest_angle_around(data, s, p, onto, true) <= smallest_angle_around(data, s, p, onto, false)) continue;
       target[p] = onto;
       for (const Index v : around) busy[v] = touched[v] = 1;

@@ -302,10 +302,13 @@ bool SurfaceMesh::has_group(const std::string& name) const {
 
 const Group& SurfaceMesh::group(const std::string& name, int dimension) const {
   std::vector<std::string> known;
+  const Group* found = nullptr;
   for (const Group& g : groups()) {
-    if (g.name == name && (dimension < 0 || g.dimension == dimension)) return g;
-    if (dimension < 0 || g.dimension == dimension) known.push_back(g.name);
+    if (dimension >= 0 && g.dimension != dimension) continue;
+    known.push_back(g.name);
+    if (g.name == name && (!found || g.dimension < found->dimension)) found = &g;
   }
+  if (found) return *found;
   static constexpr std::array<const char*, 3> kinds{"point", "curve", "surface"};
   const std::string kind = dimension < 0 ? "physical" : kinds[static_cast<std::size_t>(dimension)];
   const std::string near = nearest(name, known);

@@ -139,7 +139,7 @@ class SurfaceMesh {
     return std::binary_search(data_.folded.begin(), data_.folded.end(), side);
   }
 
-  /// Group of that name and dimension (dimension -1: any). Throws UserError that lists the names there are.
+  /// Group of that name and dimension (dimension -1: the lowest that there is). Throws UserError that lists the names there are.
   [[nodiscard]] const Group& group(const std::string& name, int dimension = -1) const;
   [[nodiscard]] bool has_group(const std::string& name) const;
 

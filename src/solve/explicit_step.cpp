@@ -139,7 +139,10 @@ bool TimeIntegration::Impl::follow_stability(const system::State& state) {
   stability.damping = damping_rate(dynamics, frequency);
   double h = 0.0;
   VOILE_PETSC(TSGetTimeStep(ts, &h));
-  dynamics.start_step(state.u, state.v, h);
+  if (under_way.u)
+    dynamics.resume_step(under_way);  // what is recorded of this step has its drag and viscosity
+  else
+    dynamics.start_step(state.u, state.v, h);
   memory.left = 1;
   if (!std::isfinite(frequency)) return false;  // the motion is lost; what was known tells why
   const double change = std::abs(frequency / std::exchange(memory.frequency, frequency) - 1.0);

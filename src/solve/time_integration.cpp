@@ -265,13 +265,6 @@ bool TimeIntegration::Impl::ended() const {
   return reason != TS_CONVERGED_ITERATING;
 }
 
-/// Whether the user's number of steps ends a motion before its end.
-bool TimeIntegration::Impl::is_stopped_early(const system::State& state) const {
-  TSConvergedReason reason = TS_CONVERGED_ITERATING;
-  VOILE_PETSC(TSGetConvergedReason(ts, &reason));
-  return reason == TS_CONVERGED_ITS && !is_end(state.time);
-}
-
 /// The next step has this size, or what is left of it before the end.
 void TimeIntegration::Impl::meet_end(double time, double step) {
   const double left = until() - time;
@@ -332,8 +325,8 @@ StepResult TimeIntegration::begin(system::State& state) {
   return {};
 }
 
-bool TimeIntegration::finished(const system::State& state) const {
-  return impl_->ended() && !impl_->is_stopped_early(state);
+bool TimeIntegration::finished(const system::State&) const {
+  return impl_->ended();
 }
 
 void TimeIntegration::end_at(const system::State& state, double time) {
@@ -351,11 +344,6 @@ void TimeIntegration::end_at(const system::State& state, double time) {
 StepResult TimeIntegration::advance(system::State& state) {
   Impl& n = *impl_;
   StepResult r;
-  if (n.ended() && n.is_stopped_early(state)) {
-    r.outcome = Outcome::failed;
-    r.reason = fmt::format("-ts_max_steps ends the motion at t = {:.6g} s, before t = {:.6g} s", state.time, n.until());
-    return r;
-  }
   try {
     TSConvergedReason reason = TS_CONVERGED_ITERATING;
     VOILE_PETSC(TSPreStep(n.ts));
@@ -366,6 +354,9 @@ StepResult TimeIntegration::advance(system::State& state) {
     else
       n.accept(state, r);
     VOILE_PETSC(TSMonitor(n.ts, state.step, state.time, state.u));
+    if (reason == TS_CONVERGED_ITS && !n.is_end(state.time) && n.remark)
+      n.remark(fmt::format("warning: -ts_max_steps ends the motion at t = {:.6g} s, before t = {:.6g} s", state.time,
+                           n.until()));
     if (reason != TS_CONVERGED_ITERATING) n.view_at_end(state);
   } catch (const Interrupted& e) {
     if (!n.explicit_method) abandon_step(n.ts);

@@ -116,7 +116,6 @@ struct TimeIntegration::Impl {
   void meet_end(double time, double step);
   void view_at_end(const system::State& state);
   [[nodiscard]] bool ended() const;
-  [[nodiscard]] bool is_stopped_early(const system::State& state) const;
   /// The sum of many steps may miss the end by its round-off.
   [[nodiscard]] bool is_end(double time) const {
     return std::abs(time - until()) <= 1e-12 * std::max(1.0, std::abs(until()));

@@ -232,7 +232,8 @@ void BoundaryConditions::prescribe_acceleration(const MotionTime& when, const st
   const double before = when.time, after = when.end - when.time;
   const bool central = std::min(before, after) >= when.step;
   const int side = before > after ? -1 : 1;
-  const double step = central ? when.step : std::min(when.step, std::max(before, after) / 3.0);
+  // Differences to one side are eleven times as far off at the same step.
+  const double step = central ? when.step : std::min(0.1 * when.step, std::max(before, after) / 3.0);
   // The last restores the time in force.
   const std::vector<std::pair<int, double>> stencil =
       central ? std::vector<std::pair<int, double>>{{-1, 1.0}, {1, 1.0}, {0, -2.0}}

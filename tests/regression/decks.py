@@ -126,6 +126,19 @@ def abaqus_loads(report):
     # Pressures push into their side: down on 4 m^2, up on 4 m^2; 4 m^2 of 0.01 m weigh 8000 kg/m^3 * 10 m/s^2.
     report.percent(result.history["held_z"][-1] / (4000 - 1200 + 3200), 1e-6, "the supports carry pressures and weight")
     report.percent(result.displacement()[4::5, 0].mean() / (4 * 1e-5 * 100), 0.04, "the plate, clamped across, lengthens by the change of temperature")
+    # Abaqus/CAE calls the set of a section and that of a support alike, and nodes and elements of a set, too.
+    alike = deck.replace("elset=two", "elset=Set-1").replace("two, ", "Set-1, ").replace("*Assembly, name=A", "*Assembly, name=A\n*Nset, nset=Set-1, instance=P-1\n1, 6, 11\n"
+                         "*Elset, elset=Set-1, instance=P-1\n1, 5").replace("held, ENCASTRE", "P-1.Set-1, ENCASTRE").replace("Set-1, SNEG", "two, SNEG")
+    alike = alike.replace("*Dload\nSet-1, GRAV", "*Dload\ntwo, GRAV").replace("*Shell Section, elset=one", "*Elset, elset=two\n3, 4, 7, 8\n*Shell Section, elset=one")
+    code, said, case = begin("abaqus_alike", alike)
+    with case.open("a") as file:
+        file.write('\n[[probe]]\nname = "held"\ntype = "reaction"\ngroup = "held"\n')
+    again = run(case, fresh("abaqus_alike_run"))
+    report.percent(again.history["held_z"][-1] / result.history["held_z"][-1], 1e-9, f"sets of one name in part and assembly: code {code}")
+    report.below(np.abs(again.displacement() - result.displacement()).max(), 1e-12, "and the same displacements")
+    for what, change, words in (("coordinates along curves", ("*Node\n", "*Node, system=C\n"), "SYSTEM=C"), ("a system", ("*Node\n", "*System\n1., 0., 0.\n*Node\n"), "*SYSTEM")):
+        code, said, _ = begin("abaqus_wrong", deck.replace(*change, 1))
+        report.check(code == 2 and words in said, f"{what}: code {code}, {said.strip()[-120:]}")
     for law, constants, expected in (("neo hooke", "1e5, 0.", 'type = "neo_hookean"\nshear_modulus = 200000'),
                                      ("mooney-rivlin", "1e5, 2e4, 0.", 'type = "mooney_rivlin"\nc10 = 100000\nc01 = 20000'),
                                      ("ogden, n=2", "4e5, 2., 3e3, -2., 1e-9, 0.", 'type = "ogden"\nmu = [400000, -3000]\nalpha = [2, -2]')):
