@@ -125,6 +125,19 @@ void join_parts(mesh::MeshData& data, const formats::MeshOptions& options) {
   note_gaps(data, tolerance);
 }
 
+/// What is wrong may be of the file or of what has been made of it.
+mesh::SurfaceMesh checked(mesh::MeshData data, bool merged) {
+  try {
+    return mesh::SurfaceMesh(std::move(data));
+  } catch (const UserError& e) {
+    if (!merged) throw;
+    throw UserError(fmt::format(
+        "{} (after mesh.merge: sheets that lie flat on each other cannot be joined, and a merge_tolerance that is not small "
+        "against the cells folds them; make it smaller, or leave merge out)",
+        e.what()));
+  }
+}
+
 }  // namespace
 
 mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, const formats::MeshOptions& options) {
@@ -137,7 +150,7 @@ mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, co
   // The same data give the same verdict on every rank, so this throws everywhere or nowhere.
   const bool panels = options.rest == formats::RestShape::texture;
   if (panels) mesh::take_rest_from_texture(data, options.texture_unit);
-  mesh::SurfaceMesh mesh(std::move(data));
+  mesh::SurfaceMesh mesh = checked(std::move(data), options.merge);
   if (panels) mesh::check_panels(mesh);
   return mesh;
 }

@@ -113,7 +113,7 @@ void hold_over_supports(const Stage& before, Stage& now) {
                !holds_slopes(before.c, s)) {
       throw UserError(fmt::format(
           "{}: [[support]] group '{}': a slope is held from the first stage on, and this one begins in stage '{}'; let "
-          "it, or another one of its group that does not turn, hold in all stages before, or use type = \"hinged\"",
+          "it hold in all stages before, or, if neither turns, another one of its group, or use type = \"hinged\"",
           now.c.file.string(), s.group, now.c.stage.name));
     }
   }
