@@ -131,10 +131,11 @@ mesh::SurfaceMesh checked(mesh::MeshData data, bool merged) {
     return mesh::SurfaceMesh(std::move(data));
   } catch (const UserError& e) {
     if (!merged) throw;
-    throw UserError(fmt::format(
-        "{} (after mesh.merge: sheets that lie flat on each other cannot be joined, and a merge_tolerance that is not small "
-        "against the cells folds them; make it smaller, or leave merge out)",
-        e.what()));
+    throw UserError(
+        fmt::format("{} (after mesh.merge: sheets that lie flat on each other cannot be joined, and a merge_tolerance "
+                    "that is not small "
+                    "against the cells folds them; make it smaller, or leave merge out)",
+                    e.what()));
   }
 }
 
