@@ -42,7 +42,7 @@ Crossing cross(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 class Tying {
  public:
-  Tying(mesh::MeshData& data, double tolerance, std::vector<Segment> rims)
+  Tying(mesh::MeshData& data, double tolerance, const std::vector<Segment>& rims)
       : data_(data), tolerance_(tolerance), rim_(all_rims(data, rims)) {}
 
   Tied run() {
@@ -332,7 +332,7 @@ class Tying {
 
 Tied tie_parts(mesh::MeshData& data, double tolerance, std::vector<mesh::Segment> rims) {
   const Index moved = move_to_rims(data, tolerance, rims);
-  Tied tied = Tying(data, tolerance, std::move(rims)).run();
+  Tied tied = Tying(data, tolerance, rims).run();
   tied.moved = moved;
   return tied;
 }

@@ -10,6 +10,7 @@
 #include "geometry/tie.hpp"
 #include "mesh/coincident.hpp"
 #include "mesh/panels.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::setup {
 
