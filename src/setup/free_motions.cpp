@@ -39,7 +39,7 @@ std::string list(const std::vector<system::FreePiece>& pieces, Index all) {
 }
 
 /// The fan that closes a rim goes with it, a rigid box does not.
-void require_held_rims(const input::Case& c, const system::Model& model) {
+std::vector<std::string> moving_rims(const input::Case& c, const system::Model& model) {
   const auto& vertices = model.discretisation().constraints().vertices;
   const mesh::SurfaceMesh& mesh = model.dofs().mesh();
   for (const system::Load& load : c.loads) {
@@ -50,22 +50,23 @@ void require_held_rims(const input::Case& c, const system::Model& model) {
         if (at != vertices.end() &&
             std::all_of(at->second.fixed.begin(), at->second.fixed.end(), [](bool f) { return f; }))
           continue;
-        throw UserError(
-            fmt::format("{}: [[load]] of type \"gas\": its rim moves at {}, and what added_volume stands for would "
-                        "move with it, without "
-                        "any change of volume: hold the rim, or close the gas by triangles of the mesh",
-                        c.file.string(), place_text(mesh.positions()[v])));
+        return {
+            fmt::format("[[load]] of type \"gas\": its rim moves at {}, and what added_volume stands for moves with "
+                        "it, without any change "
+                        "of volume: hold the rim, or close the gas by triangles of the mesh",
+                        place_text(mesh.positions()[v]))};
       }
   }
+  return {};
 }
 
 }  // namespace
 
 std::vector<std::string> check_free_motions(const input::Case& c, const system::Model& model) {
-  require_held_rims(c, model);
+  std::vector<std::string> notes = moving_rims(c, model);
   const std::vector<system::FreePiece> free =
       system::free_pieces(model.dofs().mesh(), model.discretisation().constraints(), c.springs);
-  if (free.empty()) return {};
+  if (free.empty()) return notes;
   const std::string what = list(free, model.dofs().mesh().triangle_count());
   const bool drifts = std::any_of(free.begin(), free.end(), [](const auto& p) { return p.translations > 0; });
   const bool moves = c.analysis == "dynamic" || c.vibrates(), contact = model.contact() != nullptr;
@@ -75,12 +76,16 @@ std::vector<std::string> check_free_motions(const input::Case& c, const system::
         "{}: [[support]]: {}; with analysis = \"{}\" {}: add supports that hold it{}", c.file.string(), what,
         c.analysis, linear ? "the equations then have no unique solution" : "nothing ends a free translation",
         drifts && !linear ? ", or let it fall with \"dynamic\" onto something with [contact]" : ""));
-  if (moves) return {what};
+  if (moves) {
+    notes.push_back(what);
+    return notes;
+  }
   std::string remark = contact ? "only contact and loads can hold that"
                                : "only loads can hold that, as the weight of a sheet that hangs does";
   if (c.analysis == "static")
     remark += "; where that has no stiffness at the start, \"drape\" finds the equilibrium sooner";
-  return {what + ": " + remark};
+  notes.push_back(what + ": " + remark);
+  return notes;
 }
 
 }  // namespace voile::setup
