@@ -10,6 +10,7 @@
 #include "record/report.hpp"
 #include "record/validity.hpp"
 #include "setup/free_motions.hpp"
+#include "setup/gas_rims.hpp"
 #include "setup/garment.hpp"
 #include "setup/group_names.hpp"
 #include "setup/hinge_notes.hpp"
@@ -101,7 +102,8 @@ void check(MPI_Comm comm, const input::Case& whole) {
   const input::Case& c = stages.front().c;
   system::Model model(comm, mesh, stages.front().input);
   if (c.vibrates() || c.analysis == "dynamic") system::require_mass(model);
-  const std::vector<std::string> free = setup::check_free_motions(c, model);
+  std::vector<std::string> free = setup::check_free_motions(c, model);
+  for (std::string& text : setup::moving_rims(c, model)) free.push_back(std::move(text));
   simulation::require_excitation(c, model);
   setup::MeshQuality quality = setup::measure_quality(comm, mesh, c.element);
   quality.large_rotations = setup::is_nonlinear(whole);

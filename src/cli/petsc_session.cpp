@@ -29,7 +29,7 @@ PetscSession::PetscSession(const char* program, const std::vector<std::string>& 
                            const std::string& case_options) {
   for (const auto& [name, value] : input::petsc_pairs(case_options))
     VOILE_PETSC(PetscOptionsSetValue(nullptr, name.c_str(), value.empty() ? nullptr : value.c_str()));
-  // PETSc ends the program without a word for the user.
+  // PETSc would end the program silently.
   for (std::size_t i = 0; i + 1 < words.size(); ++i)
     if (words[i] == "-options_file" && !std::ifstream(words[i + 1]))
       throw UserError(fmt::format("-options_file {}: it cannot be read", words[i + 1]));

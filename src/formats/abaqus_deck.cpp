@@ -81,6 +81,7 @@ void AbaqusDeckReader::note_set(const std::string& keyword) {
 }
 
 std::string AbaqusDeckReader::place_of(const std::string& word) const {
+  if (word.find('.') == std::string::npos) return word;
   for (const std::vector<std::string>* sets : {&deck_.node_sets, &deck_.element_sets})
     for (const std::string& name : *sets)
       if (abaqus_upper(name) == abaqus_upper(word)) return word;

@@ -322,8 +322,8 @@ class Tying {
   mesh::MeshData& data_;
   double tolerance_;
   std::vector<Segment> rim_;
-  std::map<Segment, std::vector<Index>>
-      on_edge_;  ///< vertices that divide an edge (ascending), from its first to its second end
+  /// Vertices that divide an edge (ascending), from its first to its second end.
+  std::map<Segment, std::vector<Index>> on_edge_;
   std::map<Index, std::vector<Index>> inside_;  ///< vertices inside a triangle
   Tied tied_;
 };

@@ -20,7 +20,8 @@ struct Tied {
 };
 
 /// Ties parts where vertices hang (hanging_vertices.hpp). Groups follow: what is divided keeps its names. Vertices closer
-/// than `tolerance` [m] have to be one already (mesh::merge_coincident); `rims` are edges where parts ended before that. No charts, no open seams. Not collective.
+/// than `tolerance` [m] have to be one already (mesh::merge_coincident); `rims` are edges where parts
+/// ended before that. No charts, no open seams. Not collective.
 /// Throws UserError if `tolerance` is too large for the triangles.
 Tied tie_parts(mesh::MeshData& data, double tolerance, std::vector<mesh::Segment> rims = {});
 

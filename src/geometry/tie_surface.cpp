@@ -98,10 +98,6 @@ Index move_to_edges(mesh::MeshData& data, double tolerance, const std::vector<me
   return moved;
 }
 
-}  // namespace
-
-namespace {
-
 /// Whether two edges at a vertex are one line: of the same curves, between as many triangles.
 bool continues(const TieSurface& s, Index p, Index one, Index two) {
   const mesh::Segment a = mesh::ascending(p, one), b = mesh::ascending(p, two);

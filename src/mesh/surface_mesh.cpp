@@ -57,8 +57,7 @@ std::vector<HalfEdge> sorted_half_edges(const std::vector<Triangle>& triangles) 
 std::string some_of(const std::vector<std::size_t>& names) {
   constexpr std::size_t shown = 8;
   const std::size_t n = std::min(shown, names.size());
-  std::string text =
-      join(std::vector<std::size_t>(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(n)), ", ");
+  std::string text = join(std::vector(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(n)), ", ");
   if (names.size() > shown) text += fmt::format(" and {} more", names.size() - shown);
   return text;
 }
@@ -303,17 +302,16 @@ bool SurfaceMesh::has_group(const std::string& name) const {
 const Group& SurfaceMesh::group(const std::string& name, int dimension) const {
   std::vector<std::string> known;
   const Group* found = nullptr;
-  for (const Group& g : groups()) {
-    if (dimension >= 0 && g.dimension != dimension) continue;
-    known.push_back(g.name);
-    if (g.name == name && (!found || g.dimension < found->dimension)) found = &g;
-  }
+  for (const Group& g : groups())
+    if (dimension < 0 || g.dimension == dimension) {
+      known.push_back(g.name);
+      if (g.name == name && (!found || g.dimension < found->dimension)) found = &g;
+    }
   if (found) return *found;
-  static constexpr std::array<const char*, 3> kinds{"point", "curve", "surface"};
-  const std::string kind = dimension < 0 ? "physical" : kinds[static_cast<std::size_t>(dimension)];
   const std::string near = nearest(name, known);
   for (std::string& other : known) other = "'" + other + "'";
-  throw UserError(fmt::format("{}: there is no {} group '{}'{}; the mesh has: {}", source(), kind, name,
+  throw UserError(fmt::format("{}: there is no {} group '{}'{}; the mesh has: {}", source(),
+                              std::array{"physical", "point", "curve", "surface"}[dimension + 1], name,
                               near.empty() ? "" : fmt::format("; did you mean '{}'?", near),
                               known.empty() ? "none" : join(known, ", ")));
 }

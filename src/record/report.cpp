@@ -11,6 +11,7 @@
 #include "probes.hpp"
 #include "response.hpp"
 #include "setup/free_motions.hpp"
+#include "setup/gas_rims.hpp"
 #include "setup/hinge_notes.hpp"
 #include "setup/mesh_report.hpp"
 #include "validity.hpp"
@@ -149,6 +150,8 @@ void report_model(const input::Case& c, const RunOptions& options, const system:
   if (talks && first) print_header(c, model);
   if (talks && c.is_staged()) fmt::print("stage '{}': {}\n", c.stage.name, c.analysis);
   if (first || c.stage.begins_anew) report_mesh(c, options, model);
+  for (const std::string& text : setup::moving_rims(c, model))
+    if (talks) fmt::print("note: {}\n", text);
   for (const std::string& text : setup::check_free_motions(c, model))
     if (talks && c.analysis != "dynamic") fmt::print("note: {}\n", text);
 }

@@ -19,8 +19,8 @@ struct Checkpoint {
   std::vector<double> acceleration{};       ///< [m/s^2]; empty: to be found from the equations
   std::vector<double> previous{};           ///< displacement one step before [m]; empty: a path begins here
   std::vector<double> previous_velocity{};  ///< of a motion [m/s]; empty: none
-  std::vector<double>
-      step_start{};  ///< time and size of its last step (system::StepStart), whose start is `previous`; empty: none
+  /// Time and size of the last step of a motion (system::StepStart), whose start is `previous`; empty: none.
+  std::vector<double> step_start{};
   /// Smallest gap of each vertex where contact is let out from, and since when; empty: nothing is let out.
   std::vector<double> contact_gaps{};  ///< [m]
   double contact_start = 0.0;          ///< [s]

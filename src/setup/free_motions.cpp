@@ -6,8 +6,6 @@
 
 #include "base/text.hpp"
 #include "mesh_report.hpp"
-#include "system/constraints.hpp"
-#include "system/gas_surface.hpp"
 #include "system/rigid_motions.hpp"
 #include "voile/errors.hpp"
 
@@ -38,35 +36,12 @@ std::string list(const std::vector<system::FreePiece>& pieces, Index all) {
   return join(texts, "; ");
 }
 
-/// The fan that closes a rim goes with it, a rigid box does not.
-std::vector<std::string> moving_rims(const input::Case& c, const system::Model& model) {
-  const auto& vertices = model.discretisation().constraints().vertices;
-  const mesh::SurfaceMesh& mesh = model.dofs().mesh();
-  for (const system::Load& load : c.loads) {
-    if (load.kind != system::Load::Kind::gas || load.added_volume == 0.0) continue;
-    for (const system::GasSurface::Rim& rim : system::gas_surface(mesh, load).rims)
-      for (const Index v : rim.vertices) {
-        const auto at = vertices.find(v);
-        if (at != vertices.end() &&
-            std::all_of(at->second.fixed.begin(), at->second.fixed.end(), [](bool f) { return f; }))
-          continue;
-        return {
-            fmt::format("[[load]] of type \"gas\": its rim moves at {}, and what added_volume stands for moves with "
-                        "it, without any change "
-                        "of volume: hold the rim, or close the gas by triangles of the mesh",
-                        place_text(mesh.positions()[v]))};
-      }
-  }
-  return {};
-}
-
 }  // namespace
 
 std::vector<std::string> check_free_motions(const input::Case& c, const system::Model& model) {
-  std::vector<std::string> notes = moving_rims(c, model);
   const std::vector<system::FreePiece> free =
       system::free_pieces(model.dofs().mesh(), model.discretisation().constraints(), c.springs);
-  if (free.empty()) return notes;
+  if (free.empty()) return {};
   const std::string what = list(free, model.dofs().mesh().triangle_count());
   const bool drifts = std::any_of(free.begin(), free.end(), [](const auto& p) { return p.translations > 0; });
   const bool moves = c.analysis == "dynamic" || c.vibrates(), contact = model.contact() != nullptr;
@@ -76,16 +51,12 @@ std::vector<std::string> check_free_motions(const input::Case& c, const system::
         "{}: [[support]]: {}; with analysis = \"{}\" {}: add supports that hold it{}", c.file.string(), what,
         c.analysis, linear ? "the equations then have no unique solution" : "nothing ends a free translation",
         drifts && !linear ? ", or let it fall with \"dynamic\" onto something with [contact]" : ""));
-  if (moves) {
-    notes.push_back(what);
-    return notes;
-  }
+  if (moves) return {what};
   std::string remark = contact ? "only contact and loads can hold that"
                                : "only loads can hold that, as the weight of a sheet that hangs does";
   if (c.analysis == "static")
     remark += "; where that has no stiffness at the start, \"drape\" finds the equilibrium sooner";
-  notes.push_back(what + ": " + remark);
-  return notes;
+  return {what + ": " + remark};
 }
 
 }  // namespace voile::setup

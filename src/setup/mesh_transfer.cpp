@@ -119,8 +119,7 @@ void join_parts(mesh::MeshData& data, const formats::MeshOptions& options) {
     formats::renew_boundary(data);
     data.notes.push_back(
         fmt::format("parts whose meshes do not match were tied: {} vertices moved onto others or onto edges, {} lie on "
-                    "edges or triangles of "
-                    "another part, and {} triangles were divided there",
+                    "edges or triangles of another part, and {} triangles were divided there",
                     tied.moved, tied.vertices, tied.triangles));
   }
   note_gaps(data, tolerance);
@@ -134,8 +133,7 @@ mesh::SurfaceMesh checked(mesh::MeshData data, bool merged) {
     if (!merged) throw;
     throw UserError(
         fmt::format("{} (after mesh.merge: sheets that lie flat on each other cannot be joined, and a merge_tolerance "
-                    "that is not small "
-                    "against the cells folds them; make it smaller, or leave merge out)",
+                    "that is not small against the cells folds them; make it smaller, or leave merge out)",
                     e.what()));
   }
 }

@@ -33,8 +33,7 @@ void take_bodies(const results::Checkpoint& c, const system::Dofs& dofs, const s
   if (!begins && found != static_cast<double>(4 * each) && found != static_cast<double>(5 * each))
     throw UserError(
         "the state to continue from has other [[rigid]] groups than the case, or none, as results.vtkhdf; give the "
-        "same ones, and a "
-        "checkpoint.h5");
+        "same ones, and a checkpoint.h5");
   if (begins) {  // with the velocities that the case gives
     std::vector<double> rates;
     if (!c.velocity.empty()) rates = dofs.body_rates(c.velocity);

@@ -13,7 +13,7 @@ namespace voile::simulation {
 
 /// Collective.
 [[nodiscard]] results::Checkpoint gather(const system::State& state, const system::Model& model);
-/// With what the next model goes by to go on in the same way: couplings of contact, the start of the last step. Collective.
+/// With what a model needs to go on in the same way: couplings of contact, the start of the last step. Collective.
 [[nodiscard]] results::Checkpoint gather_whole(const system::State& state, const system::Model& model);
 /// Numbers and what contact remembers must be the same on all ranks. Collective.
 [[nodiscard]] system::State scatter(const results::Checkpoint& from, const system::Dofs& dofs);

@@ -269,6 +269,7 @@ void enter_stage(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& m
     state.acceleration.clear();  // other supports and loads act
     results::forget_stability(state);
     state.previous.clear();
+    state.previous_velocity.clear();
     state.step_start.clear();
     state.path.clear();
     state.energy_balance.clear();

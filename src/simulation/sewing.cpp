@@ -173,7 +173,9 @@ void weld_state(const Stage& stage, const std::vector<std::string>& seams, Mesh&
       *values = mesh::merged_means(target, mass, *values, 3);
     state.displacement.assign(3 * data.positions.size(), 0.0);
     state.previous.clear();
+    state.previous_velocity.clear();
   });
+  state.step_start.clear();
   results::forget_stability(state);
   setup::broadcast_mesh(comm, data);
   mpi::broadcast(comm, target);

@@ -318,6 +318,7 @@ StepResult TimeIntegration::begin(system::State& state) {
   }
   n.create(state);
   n.choose_method(state);
+  if (n.explicit_method && state.last.u && n.remembers_start()) n.dynamics.resume_step(state.last);
   n.prepare_first_step(state);
   n.dynamics.set_time(state.time);
   state.load_factor = n.model.conditions().load_factor();

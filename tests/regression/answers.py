@@ -47,6 +47,9 @@ def units_declared(report):
     report.below(abs(b.history["tip_z"][-1] / a.history["tip_z"][-1] / 1e3 - 1.0), 1e-9, "deflection in mm over that in m, less 1000")
     report.check("units: mm, t, s" in b.text and "units:" not in a.text, "the header names the units")
     report.check(b.results[-1].unit("displacement") == "mm" and a.results[-1].unit("displacement") == "m", "fields have them")
+    for ending, words in (("obj", b"# lengths in mm"), ("stl", b"lengths in mm"), ("ply", b"comment lengths in mm")):
+        code, said = invoke(["export", b.folder, "--output", OUT / f"units.{ending}"])
+        report.check(code == 0 and words in (OUT / f"units.{ending}").read_bytes()[:200], f"an exported {ending} names the unit {said[:80]}")
     report.check("N and Pa in this text stand for mm, N and MPa" in invoke(["check", OUT / "units_mm.toml"])[1], "and check")
     fabric = dict(metres, material=[{"type": "fabric", "fabric": "wool_tropical", "direction": [1, 0, 0]}], load=metres["load"][:1])
     small = copy.deepcopy(fabric) | {"units": {"length": "mm", "mass": "g", "time": "ms"}}

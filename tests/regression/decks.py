@@ -136,6 +136,20 @@ def abaqus_loads(report):
     again = run(case, fresh("abaqus_alike_run"))
     report.percent(again.history["held_z"][-1] / result.history["held_z"][-1], 1e-9, f"sets of one name in part and assembly: code {code}")
     report.below(np.abs(again.displacement() - result.displacement()).max(), 1e-12, "and the same displacements")
+    for what, changes, words in (
+            ("an amplitude of temperatures", (("*Temperature\n", "*Amplitude, name=A\n0., 0., 1., 1.\n*Temperature, amplitude=A\n"),), "*TEMPERATURE, AMPLITUDE"),
+            ("expansion in two directions of an isotropic sheet", (("*Expansion\n1e-5,", "*Expansion, type=ortho\n1e-5, 3e-5, 0."),), "*EXPANSION, TYPE=ORTHO"),
+            ("a ramp in a motion", (("nlgeom=NO", "amplitude=RAMP"), ("*Static\n1., 1.", "*Dynamic, explicit\n, 1.")), "AMPLITUDE=RAMP")):
+        text = deck
+        for old, new in changes:
+            text = text.replace(old, new, 1)
+        code, said, case = begin("abaqus_listed", text)
+        report.check(code == 0 and words in said and invoke(["check", case])[0] == 0, f"{what} is listed: code {code}, {said[-160:]}")
+    report.check("step = 0.01" in case.read_text(), "an explicit step that finds its own size begins with a hundredth")
+    collapsed = deck.replace("8, 9, 10, 15, 14", "8, 9, 10, 15, 15")
+    code, said, case = begin("abaqus_collapsed", collapsed)
+    report.check(code == 0 and collapsed != deck and invoke(["check", case])[0] == 0 and "15 triangles" in invoke(["info", case.parent / "mesh.inp"])[1],
+                 f"a quadrangle with a node twice is a triangle: code {code}")
     for what, change, words in (("coordinates along curves", ("*Node\n", "*Node, system=C\n"), "SYSTEM=C"), ("a system", ("*Node\n", "*System\n1., 0., 0.\n*Node\n"), "*SYSTEM")):
         code, said, _ = begin("abaqus_wrong", deck.replace(*change, 1))
         report.check(code == 2 and words in said, f"{what}: code {code}, {said.strip()[-120:]}")

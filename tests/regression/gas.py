@@ -361,6 +361,19 @@ def gas_mistakes(report):
                      f"{name}: {result.text.strip().splitlines()[-1][:150]}")
 
 
+@test
+def gas_behind_a_rim(report):
+    """A gas with added volume behind a rim that moves does not change its volume: that is noted, in statics and in motion; not of a held one."""
+    for analysis, more in (("modal", {}), ("dynamic", {"time": {"end": 1e-4, "step": 1e-4}})):
+        for held in (False, True):
+            case = {"analysis": analysis, "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": 4}},
+                    "material": [{"type": "isotropic", "young": 1e9, "poisson": 0.3, "thickness": 1e-3, "density": 1000}],
+                    "support": [{"type": "hinged", "group": side} for side in (("left", "right", "bottom", "top") if held else ("left",))],
+                    "load": [{"type": "gas", "magnitude": 0.0, "added_volume": 0.1, "constant": True}]} | more
+            done = solve("gas_rim_moves", case)
+            report.check(("note: [[load]] of type \"gas\": its rim moves" in done.text) != held, f"{analysis}, a rim that is {'held' if held else 'loose'}")
+
+
 def pane(**more):
     """A stiff square plate of 1 m and 1 kg that hangs from its upper edge, in the plane x = 0."""
     p = Panels()

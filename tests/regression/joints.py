@@ -69,6 +69,20 @@ def joint_tied(report):
         beam = solve("joint_tied", case, ranks)
         report.percent(-beam.history["tip_z"][-1] / exact, 0.005, f"T beam on {ranks} ranks: deflection")
     report.check("parts whose meshes do not match were tied" in beam.text, "the run says so")
+    points, cells, groups = [], [], []
+    for name, inner, n in (("inner", 1.0, 48), ("outer", 1.5, 64)):
+        first = len(points)
+        turn = [2 * math.pi * k / n for k in range(n)]
+        points += [(r * math.cos(a), r * math.sin(a), 0.0) for r in (inner, inner + 0.25, inner + 0.5) for a in turn]
+        at = lambda i, k: first + i * n + k % n  # noqa: E731, B023
+        cells = [t for i in range(2) for k in range(n) for t in ((at(i, k), at(i + 1, k), at(i + 1, k + 1)), (at(i, k), at(i + 1, k + 1), at(i, k + 1)))]
+        groups += [(name, 2, np.array(cells)), (f"{name} out", 1, np.array([(at(2, k), at(2, k + 1)) for k in range(n)]))]
+    rings = case_of(write_msh(OUT / "joint_rings.msh", np.array(points), groups), 0.01, support=[{"type": "clamped", "group": "outer out"}],
+                    load=[{"type": "pressure", "magnitude": 1e-3}], probe=[{"name": "rim", "type": "displacement", "group": "inner out"}])
+    for tolerance in (0.0, 0.004):
+        rings["mesh"] |= {"merge": True, "merge_tolerance": tolerance}
+        text = invoke(["check", write_case(rings, OUT / "joint_rings.toml")])[1]
+        report.check(("48 vertices lie within" in text) == (tolerance == 0.0), f"chords of one circle, tolerance {tolerance:g} m: a gap is noted, or none is left")
     deflection = {}
     for cells in ((16, 16), (16, 23), (10, 7)):
         p = Panels(False)

@@ -30,7 +30,7 @@ def pictures_of_mistakes(report):
                         (("--field", "displacement:w", *png), "magnitude, x, y, z"), (("--size", "1e9x3", *png), "--size"),
                         (("--size", "32000x90000", *png), "pixels"), (("--view", "frnt", *png), "three-quarter"), (("--mode", "1", *png), "no modes"),
                         (("--stage", "a", *png), "not a run in stages"), (("--output", "/proc/version/x.png"), "cannot be written"),
-                        (("--animation", OUT / "x.avi"), ".webp"), (("--range", "2,1", "--field", "displacement", *png), "smaller"),
+                        (("--animation", OUT / "x.avi"), ".webp"), (("--range", "2,1", "--field", "displacement", *png), "smaller"), (("--range", "0,1", *png), "--field"),
                         (("--steps", "5:1", *png), "must not be larger"), (("--steps", "1:5:0", *png), "names no steps"), (("--size", "-64x48", *png), "--size"),
                         (("--scale", "nan", *png), "--scale"), (("--creases", "nan", *png), "--creases"), (("--eye", "1,2,3", "--target", "1,2,3", *png), "--eye"),
                         (("--output", OUT / "x.jpg"), ".png"), (("--output", OUT), "directory"), (("--output", "/dev/full"), "No space"),

@@ -132,8 +132,9 @@ def damped_restart(report):
     case["support"][0]["motion"] = ["0", "0", "0.05*(1-cos(20*t))"]
     case |= {"air": {"density": 1.2, "normal_drag": 1.2, "wind": [0, 0, 5]}, "time": {"end": 0.4, "step": 0.02}}
     case["probe"].append({"name": "R", "type": "reaction", "group": "left"})
-    for ranks, more in ((1, {}), (2, {"rigid": [{"name": "end", "group": "right"}]})):
-        if more:
+    explicit = {"time": {"end": 0.4, "step": 2e-4, "method": "central_difference", "mass": "lumped"}}
+    for ranks, more in ((1, {}), (1, explicit), (2, {"rigid": [{"name": "end", "group": "right"}]})):
+        if "rigid" in more:
             case["probe"] = case["probe"][:1]
             del case["air"]
         whole = solve("damped_whole", case | more, ranks).history
@@ -145,7 +146,8 @@ def damped_restart(report):
         first = max(abs(rest[c][0] - whole[c][middle]) / scale[c] for c in columns)
         last = max(abs(rest[c][-1] - whole[c][-1]) / scale[c] for c in columns)
         report.below(first, 1e-8, f"{ranks} rank(s): difference in the first row of {len(columns)} columns")
-        report.below(last, 1e-8, "and in the last one")
+        # Central differences go on with the drag of the velocity at the step, not half a step before it.
+        report.below(last, 1e-6 if more is explicit else 1e-8, "and in the last one")
 
 
 @test

@@ -242,6 +242,9 @@ TEST_CASE("fabric: mistakes in a file are named with line and key") {
   CHECK(has(fabric_error("\"2 kN/m\"", "\"2 gf/(cm.deg)\""), "is a shear rigidity per angle, a force per length"));
   CHECK(has(fabric_error("\"2 kN/m\"", "\"2 kN\""), "f.toml:4: membrane_warp: '2 kN': unknown unit 'kN'"));
   CHECK(has(fabric_error("500", "0"), "f.toml:5: membrane_weft: the figure must be finite and greater than zero"));
+  CHECK(has(fabric_error("\"200 g/m^2\"", "\"200 kg/m^2\""), "f.toml:3: areal_density: 200 kg/m^2 is no fabric's"));
+  CHECK(has(fabric_error("membrane_warp = \"2", "thickness = \"3 m\"\nmembrane_warp = \"2"),
+            "thickness: 3 m is no fabric's"));
   CHECK(has(fabric_error("500", "nan"), "must be finite and greater than zero"));
   CHECK(has(fabric_error("500", "true"), "a number in SI units or a text with a unit is needed"));
   CHECK(has(fabric_error("500", "500\nmembrane_poisson = 1.0"),
