@@ -145,17 +145,23 @@ TEST_CASE("a web stands anywhere on a sheet") {
       }
 }
 
-TEST_CASE("ends of lines and corners stay where they are") {
-  mesh::MeshData data;
-  add(data, "plate", {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 4, 4);
-  add(data, "web", {0.07, 0.5, 0}, {0, 0, 0.25}, {0.75, 0, 0}, 1, 3);
-  add(data, "other", {0.86, 0.5, 0}, {0, 0, 0.25}, {0.14, 0, 0}, 1, 1);
-  tie(data);
-  CHECK(geometry::find_hanging(data, tolerance).count == 0);
-  CHECK(area(data, "plate") == doctest::Approx(1.0).epsilon(1e-12));
-  CHECK(area(data, "web") == doctest::Approx(0.1875).epsilon(1e-12));
-  CHECK(length(data, "web start") == doctest::Approx(0.75).epsilon(1e-12));
-  CHECK(length(data, "other start") == doctest::Approx(0.14).epsilon(1e-12));
+TEST_CASE("ends of lines and corners stay where they are, whether curves name them or not") {
+  for (const bool named : {true, false}) {
+    CAPTURE(named);
+    mesh::MeshData data;
+    add(data, "plate", {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 4, 4);
+    add(data, "web", {0.07, 0.5, 0}, {0, 0, 0.25}, {0.75, 0, 0}, 1, 3);
+    add(data, "other", {0.86, 0.5, 0}, {0, 0, 0.25}, {0.14, 0, 0}, 1, 1);
+    if (!named) std::erase_if(data.groups, [](const mesh::Group& g) { return g.dimension == 1; });
+    tie(data);
+    CHECK(geometry::find_hanging(data, tolerance).count == 0);
+    CHECK(area(data, "plate") == doctest::Approx(1.0).epsilon(1e-12));
+    CHECK(area(data, "web") == doctest::Approx(0.1875).epsilon(1e-12));
+    CHECK(area(data, "other") == doctest::Approx(0.035).epsilon(1e-12));
+    if (!named) continue;
+    CHECK(length(data, "web start") == doctest::Approx(0.75).epsilon(1e-12));
+    CHECK(length(data, "other start") == doctest::Approx(0.14).epsilon(1e-12));
+  }
 }
 
 TEST_CASE(
