@@ -64,6 +64,11 @@ void check(PetscErrorCode code, const char* where) {
   const std::string what = error.text.empty() ? (general ? general : "unknown") : error.text;
   if (error.code == PETSC_ERR_MEM || error.function.starts_with("PetscMalloc"))
     throw OutOfMemory(fmt::format("an array of the linear algebra could not be had in {}", where));
+  if (error.code == PETSC_ERR_NOT_CONVERGED)  // of solvers that options choose
+    throw UserError(
+        fmt::format("a linear system has not been solved: {}; leave out options of linear solvers (-st_ksp_type, "
+                    "-st_pc_type ...) or let them iterate longer",
+                    what));
   if (is_of_options(code, error))
     throw UserError(fmt::format(
         "PETSc refuses one of its options: {} (in {}); see the options on the command line, in PETSC_OPTIONS and in "

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "solve/eigen.hpp"
+#include "solve/eigen_options.hpp"
 
 namespace voile::cli {
 

@@ -189,6 +189,9 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
   }
   summary.mode_shapes = write_modes(c, options, model, result, {summary.mode_errors, of.parts, of.mass});
   if (root) warn_of_errors(c, summary);
+  if (root && result.lower > 0)
+    fmt::print(stderr, "voile: warning: {} mode(s) lie below those listed, which are the nearest to -eps_target\n",
+               result.lower);
   summary.converged = static_cast<int>(result.modes.size()) >= result.asked_for;
   if (!summary.converged)
     summary.reason = fmt::format("{} of {} modes found{}", result.modes.size(), result.asked_for,
@@ -231,10 +234,10 @@ void run_modes(const input::Case& c, const record::RunOptions& options, system::
   }
   require_excitation(c, model);
   const VibrationModes found = find_vibration(c, model, a);
-  if (!found.result.modes.empty()) {
+  if (found.result.asked_for > 0) {
     const auto parts = solve::participation(found.result.modes, found.mass.mat(), found.inertia);
     report_modes(c, options, model, a, found.result, {parts, found.mass.mat()}, summary);
-    if (mpi::rank(model.dofs().comm()) == 0 && options.verbosity != record::Verbosity::quiet)
+    if (!parts.empty() && mpi::rank(model.dofs().comm()) == 0 && options.verbosity != record::Verbosity::quiet)
       fmt::print("{}\n", carried_text(parts, found.inertia.mass));
   }
   if (c.analysis == "harmonic" && summary.converged) run_harmonic(c, options, model, a, found, summary);

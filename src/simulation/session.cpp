@@ -7,7 +7,7 @@
 
 #include "base/mpi.hpp"
 #include "base/threads.hpp"
-#include "solve/eigen.hpp"
+#include "solve/eigen_options.hpp"
 #include "voile/errors.hpp"
 #include "voile/version.hpp"
 

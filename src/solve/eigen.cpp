@@ -10,6 +10,7 @@
 
 #include "base/interrupt.hpp"
 #include "base/mpi.hpp"
+#include "eigen_options.hpp"
 #include "linear/inertia.hpp"
 #include "linear/linear_solver.hpp"
 #include "linear/low_rank_solution.hpp"
@@ -260,7 +261,7 @@ EigenResult modes_from(const system::Model& model, Mat mass, int count, double t
   VOILE_PETSC(STSetType(st, STSINVERT));
   VOILE_PETSC(EPSSetTarget(eps, target));
   VOILE_PETSC(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
-  VOILE_PETSC(EPSSetFromOptions(eps));
+  read_eigen_options(eps);
   result.asked_for = wanted(eps);
   GasSolution gas{model, {}};
   if (!model.tangent().change().empty()) {
@@ -270,6 +271,14 @@ EigenResult modes_from(const system::Model& model, Mat mass, int count, double t
   }
   result.modes = solve(eps, model, result.asked_for);
   below = found_below(eps);
+  PetscScalar asked = target;
+  VOILE_PETSC(EPSGetTarget(eps, &asked));
+  if (asked != target) {
+    const auto found =
+        std::count_if(result.modes.begin(), result.modes.end(), [&](const Mode& m) { return m.eigenvalue < asked; });
+    result.lower = std::max(0L, below - static_cast<long>(found));
+    below = 0;
+  }
   if (!model.tangent().change().empty())
     for (Mode& mode : result.modes) mode.residual = residual_with_gas(model, mass, mode);
   std::stable_sort(result.modes.begin(), result.modes.end(),
@@ -347,7 +356,7 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   VOILE_PETSC(MatScale(change, -1.0));
   const EpsHandle eps = create(model, change, model.tangent().matrix(), count);
   VOILE_PETSC(EPSSetWhichEigenpairs(eps, EPS_LARGEST_REAL));
-  VOILE_PETSC(EPSSetFromOptions(eps));
+  read_eigen_options(eps);
   result.asked_for = wanted(eps);
   result.modes = solve(eps, model, result.asked_for);
   // Beyond the last positive 1/mu the load only stiffens.
@@ -384,16 +393,6 @@ std::vector<Participation> participation(const std::vector<Mode>& modes, Mat mas
     all.push_back(p);
   }
   return all;
-}
-
-SlepcSession::SlepcSession() {
-  PetscBool begun = PETSC_FALSE;
-  VOILE_PETSC(SlepcInitialized(&begun));
-  begun_ = begun == PETSC_FALSE;
-  if (begun_) VOILE_PETSC(SlepcInitialize(nullptr, nullptr, nullptr, nullptr));
-}
-SlepcSession::~SlepcSession() {
-  if (begun_) (void)SlepcFinalize();
 }
 
 }  // namespace voile::solve

@@ -12,7 +12,7 @@
 // About an unstable state the target of the spectral transformation falls until no eigenvalue is below it (Sylvester); with loads
 // that follow without a potential, the modes nearest to omega^2 = 0 are found.
 // Fixed components are left out: zero rows in M and K'.
-// Options of SLEPc's EPS and ST work as users know them: -eps_nev, -eps_tol, -eps_monitor, -eps_view, -st_type ...
+// Options of SLEPc's EPS and ST work as users know them: -eps_nev, -eps_tol, -eps_target, -eps_monitor, -eps_view ...
 // Theory: docs/theory/path-following.md, modes.
 #pragma once
 
@@ -37,6 +37,7 @@ struct EigenResult {
   std::vector<Mode> modes;
   int asked_for = 0;  ///< options may ask for another number than the caller
   long missed = 0;    ///< modes that are there before the last, by Sylvester's law, and have not been found
+  long lower = 0;     ///< modes below the first that -eps_target leaves out
 };
 
 /// M, with zero rows where the displacement is fixed. [kg]
@@ -74,17 +75,5 @@ struct Participation {
 /// Of each mode. Collective.
 [[nodiscard]] std::vector<Participation> participation(const std::vector<Mode>& modes, Mat mass,
                                                        const system::RigidInertia& inertia);
-
-/// SLEPc between construction and destruction; PETSc must be running.
-class SlepcSession {
- public:
-  SlepcSession();
-  ~SlepcSession();
-  SlepcSession(const SlepcSession&) = delete;
-  SlepcSession& operator=(const SlepcSession&) = delete;
-
- private:
-  bool begun_ = false;  ///< here
-};
 
 }  // namespace voile::solve

@@ -125,6 +125,22 @@ def loose_options(report):
 
 
 @test
+def mode_options(report):
+    """Options of SLEPc that change the problem, or leave modes wrong, are refused; without a mode nothing has converged."""
+    case = write_case(strip("modal", nx=20, ny=3, load=[], eigen={"modes": 3}), OUT / "modes.toml")
+    for options, word in (("-st_type shift", "sinvert"), ("-eps_hermitian", "symmetric"), ("-eps_tol 0.1", "-eps_tol"), ("-st_ksp_type gmres -st_ksp_rtol 0.1", "-st_ksp_rtol"),
+                          ("-st_ksp_type gmres -st_pc_type none -st_ksp_max_it 5", "has not been solved")):
+        done = run(case, fresh("modes_other"), 1, options.split(), 120)
+        report.check(done.code == 2 and word in done.text, f"{options}: code {done.code}, {done.text.strip()[-160:]}")
+    done = run(case, fresh("modes_other"), 1, ["-eps_max_it", "1", "-eps_ncv", "5", "-eps_type", "power"], 120)
+    report.check(done.code == 3 and "0 of 3 modes found" in done.text, f"no mode: code {done.code}")
+    lowest = run(case, fresh("modes_other"), 1, [], 120).summary["eigenvalues"]
+    done = run(case, fresh("modes_other"), 1, ["-eps_target", f"{(2 * math.pi * lowest[2])**2:.6g}", "-eps_nev", "1"], 120)
+    report.check(done.code == 0 and "2 mode(s) lie below" in done.text, f"a target: code {done.code}")
+    report.near(done.summary["eigenvalues"][0] / lowest[2], 1.0, 1e-6, "the third mode, by a target")
+
+
+@test
 def damped_restart(report):
     """A damped motion in wind that goes on from a checkpoint has the reactions and works of the unbroken one from its first row."""
     case = pushed("motion")

@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 #include <petscsys.h>
 
-#include "solve/eigen.hpp"
+#include "solve/eigen_options.hpp"
 #include "watchdog.hpp"
 
 REGISTER_LISTENER("watchdog", 1, voile::testing::Watched);
