@@ -209,10 +209,17 @@ class CaseWriter {
     const auto head = [&](const char* type) {
       out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"{}\"\n", toml_text(group), type);
     };
-    if (mirror >= 0) {
+    if (mirror >= 0 && !moved) {
       head("symmetry");
       out_ += fmt::format("normal = [{}, {}, {}]\n", mirror == 0 ? 1 : 0, mirror == 1 ? 1 : 0, mirror == 2 ? 1 : 0);
-      if (moves > 1 || !s.mirror.empty()) add_rest(group, s, mirror);
+      const std::string rest = components_of(s, mirror, false);
+      if (!rest.empty())
+        out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"displacement\"\n{}", toml_text(group), rest);
+      return;
+    }
+    if (mirror >= 0) {  // an edge that is pushed and does not turn
+      head("sliding");
+      out_ += components_of(s, mirror, true) + moved_by(s);
       return;
     }
     if (moves == 3 && turns == 3) {
@@ -221,15 +228,20 @@ class CaseWriter {
       head("hinged");
     } else if (moves > 0) {
       head("displacement");
-      std::vector<std::string> names;
-      for (int k = 0; k < 3; ++k)
-        if (h[static_cast<std::size_t>(k)]) names.push_back(fmt::format("\"{}\"", "xyz"[k]));
-      out_ += fmt::format("components = [{}]\n", fmt::join(names, ", "));
+      out_ += components_of(s, -1, false);
     }
     if (moved) out_ += moved_by(s);
     if (turns > 0 && !(moves == 3 && turns == 3))
       leave(fmt::format("{} {}: rotations held in part; slopes are held only where 1 to 6 all are", deck_.words.support,
                         group));
+  }
+
+  /// What is held, with or without the normal of a mirror plane; empty if nothing is.
+  [[nodiscard]] static std::string components_of(const Deck::Support& s, int mirror, bool normal) {
+    std::vector<std::string> names;
+    for (int k = 0; k < 3; ++k)
+      if (k == mirror ? normal : s.held[static_cast<std::size_t>(k)]) names.push_back(fmt::format("\"{}\"", "xyz"[k]));
+    return names.empty() ? "" : fmt::format("components = [{}]\n", fmt::join(names, ", "));
   }
 
   [[nodiscard]] std::string moved_by(const Deck::Support& s) {
@@ -278,16 +290,6 @@ class CaseWriter {
     if (deck_.procedure == Procedure::dynamic) return fmt::format("history = {}\n", toml_text(table_of(l.amplitude)));
     factor = factor_at_end(l.amplitude);
     return "";
-  }
-
-  /// What a mirror plane does not hold.
-  void add_rest(const std::string& group, const Deck::Support& s, int mirror) {
-    std::vector<std::string> names;
-    for (int k = 0; k < 3; ++k)
-      if (k != mirror && s.held[static_cast<std::size_t>(k)]) names.push_back(fmt::format("\"{}\"", "xyz"[k]));
-    if (!names.empty())
-      out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"displacement\"\ncomponents = [{}]\n", toml_text(group),
-                          fmt::join(names, ", "));
   }
 
   [[nodiscard]] static std::string vector_text(const std::array<double, 3>& v, const std::string& history) {
@@ -345,7 +347,10 @@ class CaseWriter {
   }
 
   void add_procedure() {
-    if (deck_.procedure == Procedure::riks) out_ += "\n[steps]\ncontrol = \"arc_length\"\n";
+    if (deck_.procedure == Procedure::riks) {
+      out_ += fmt::format("\n[steps]\ncontrol = \"arc_length\"\nfinal_load_factor = {}\n", deck_.factor);
+      if (deck_.step > 0.0) out_ += fmt::format("initial_step = {}\n", deck_.step / deck_.end);
+    }
     if (deck_.modes > 0) out_ += fmt::format("\n[eigen]\nmodes = {}\n", deck_.modes);
     if (deck_.procedure == Procedure::dynamic && deck_.end > 0.0)
       out_ += fmt::format("\n[time]\nend = {}\nstep = {}\n", deck_.end, deck_.step);

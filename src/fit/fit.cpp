@@ -23,10 +23,11 @@ using Eigen::VectorXd;
 
 /// Part of an unseen combination, and of the uncertainty of a figure, that counts.
 constexpr double counts = 1e-3, contributes = 0.03;
-/// Rounds through the virtual strip along the bias, and what its rigidity may still change; how much softer than a cylinder it must be
-/// able to be to count.
-constexpr int bias_rounds = 6;
-constexpr double bias_tolerance = 1e-3, alike = 0.01;
+/// Rounds through the virtual strip along the bias, how often it is softened in each, and what its place between a narrow one and a
+/// cylinder may still change; how far apart these must be to count.
+constexpr int bias_rounds = 8, most_halvings = 8;
+/// Part of a change that is taken: it would swing about the place where warp and weft are very unlike.
+constexpr double bias_tolerance = 1e-3, alike = 0.01, relaxed = 0.7;
 /// Part of the rigidity of the yarns along the bias below which there is no twist.
 constexpr double least_twist = 1e-3;
 /// Distance of the rows of a loop from its law that is odd, over the range of the force.
@@ -115,20 +116,30 @@ void require_rank(const Sheet& sheet, const Problem& p, const LeastSquares& foun
                   p.parameters.size() - static_cast<std::size_t>(found.null.cols()), found.null.cols()));
 }
 
-/// A strip along the bias that is softer than its yarns alone would leave no twist, or a negative one.
-void require_twist(const Sheet& sheet, const Problem& p, const LeastSquares& found) {
-  if (!found.unknowns.allFinite()) return;
+/// A strip along the bias that is softer than its yarns alone leaves no twist, or a negative one.
+struct TooSoft {
+  const Measurement* strip = nullptr;
+  double yarns = 0.0;  ///< [N m]
+};
+
+TooSoft too_soft(const std::vector<Measurement>& all, const Problem& p, const LeastSquares& found) {
+  if (!found.unknowns.allFinite()) return {};
   const Values v = p.values(found.unknowns);
   const double yarns = 0.25 * (at(v, Parameter::bending_warp) + at(v, Parameter::bending_weft));
-  if (at(v, Parameter::bending_twist) > least_twist * yarns) return;
-  for (const Measurement& m : p.measurements)
-    if (m.instrument.direction == Direction::bias && depends(m, p.base, Parameter::bending_twist))
-      sheet.fail(m.line, m.name,
-                 fmt::format("the strip along the bias is softer than (bending_warp + bending_weft)/4 = {:.4g} uN.m, "
-                             "which the yarns have without any twist: the twist would be negative. Check it and those "
-                             "of warp and weft for unit and direction, take a wider strip, which twists less, or leave "
-                             "it out",
-                             1e6 * yarns));
+  if (at(v, Parameter::bending_twist) > least_twist * yarns) return {};
+  for (const Measurement& m : all)
+    if (!m.compared && m.instrument.direction == Direction::bias && depends(m, p.base, Parameter::bending_twist))
+      return {&m, yarns};
+  return {};
+}
+
+[[noreturn]] void fail(const Sheet& sheet, const TooSoft& soft) {
+  sheet.fail(soft.strip->line, soft.strip->name,
+             fmt::format("the strip along the bias is softer than (bending_warp + bending_weft)/4 = {:.4g} uN.m, "
+                         "which the yarns have without any twist: the twist would be negative. Check it and those "
+                         "of warp and weft for unit and direction, take a wider strip, which twists less, or leave "
+                         "it out",
+                         1e6 * soft.yarns));
 }
 
 void take_figures(Fit& fit, const Problem& p, const LeastSquares& found) {
@@ -279,14 +290,16 @@ void warn_of_loops(Fit& fit, std::vector<FittedLoop> loops) {
   fit.loops = std::move(loops);
 }
 
-Fit fit_figures(const Sheet& sheet, const std::vector<Measurement>& all) {
+/// `soft`: becomes the strip that leaves no twist; the fit is then without figures.
+Fit fit_figures(const Sheet& sheet, const std::vector<Measurement>& all, TooSoft& soft) {
   Fit fit;
   const Problem p = problem_of(all);
   VectorXd start(static_cast<Index>(p.parameters.size()));
   for (std::size_t i = 0; i < p.parameters.size(); ++i)
     start[static_cast<Index>(i)] = std::log(at(p.base, p.parameters[i]));
   const LeastSquares found = least_squares([&](const VectorXd& x) { return p.residuals(x); }, start);
-  require_twist(sheet, p, found);
+  soft = too_soft(all, p, found);
+  if (soft.strip) return fit;
   require_rank(sheet, p, found);
   take_figures(fit, p, found);
   fit.fitted = p.measurements.size();
@@ -300,25 +313,59 @@ Fit fit_figures(const Sheet& sheet, const std::vector<Measurement>& all) {
   return fit;
 }
 
-/// Puts right how far strips along the bias are from cylinders, by the virtual instrument; false: nothing has changed.
+bool is_bias_cantilever(const Instrument& i) {
+  return i.direction == Direction::bias && (i.kind == Kind::bending_length || i.kind == Kind::overhang);
+}
+
+/// Where the virtual instrument sees strips along the bias between narrow ones and cylinders; false: nothing has changed.
 bool correct_bias(const Sheet& sheet, const Fit& fit, const BiasInstrument& bias, std::vector<Measurement>& all) {
   using P = Parameter;
   if (!fit.has(P::bending_warp) || !fit.has(P::bending_weft) || !fit.has(P::bending_twist)) return false;
-  const double warp = fit.figures.at(P::bending_warp).value, weft = fit.figures.at(P::bending_weft).value,
-               twist = fit.figures.at(P::bending_twist).value;
-  // A narrow strip, which twists and curves freely, has the inverse of its compliance.
-  const double cylinder = 0.25 * (warp + weft) + twist, narrow = 4.0 / (1.0 / warp + 1.0 / weft + 1.0 / twist);
-  if (narrow > (1.0 - alike) * cylinder) return false;
+  const BiasLimits limits = bias_limits(fit.figures.at(P::bending_warp).value, fit.figures.at(P::bending_weft).value,
+                                        fit.figures.at(P::bending_twist).value);
+  if (limits.narrow > (1.0 - alike) * limits.cylinder) return false;
   std::map<double, double> seen;
   bool changed = false;
   for (Measurement& m : all) {
     Instrument& i = m.instrument;
-    if (i.direction != Direction::bias || (i.kind != Kind::bending_length && i.kind != Kind::overhang)) continue;
-    if (!seen.contains(i.width)) seen[i.width] = bias(fabric_text(sheet, fit), i.width);
-    changed = changed || std::abs(seen[i.width] / i.strip - 1.0) > bias_tolerance;
-    i.strip = seen[i.width];
+    if (!is_bias_cantilever(i)) continue;
+    if (!seen.contains(i.width))
+      seen[i.width] = std::clamp((bias(fabric_text(sheet, fit), i.width) * limits.cylinder - limits.narrow) /
+                                     (limits.cylinder - limits.narrow),
+                                 0.0, 1.0);
+    changed = changed || std::abs(seen[i.width] - i.strip) > bias_tolerance;
+    i.strip += relaxed * (seen[i.width] - i.strip);
   }
   return changed;
+}
+
+/// Fits; where strips along the bias leave no twist, with ones that have gone part of the way back to `before`, or to narrow ones.
+/// Throws UserError if that does not help.
+Fit fit_softened(const Sheet& sheet, std::vector<Measurement>& all, const std::vector<Measurement>& before,
+                 TooSoft& first) {
+  Fit fit = fit_figures(sheet, all, first);
+  TooSoft soft = first;
+  for (int k = 0; soft.strip && k < most_halvings; ++k) {
+    for (std::size_t m = 0; m < all.size(); ++m)
+      if (is_bias_cantilever(all[m].instrument))
+        all[m].instrument.strip = 0.5 * (all[m].instrument.strip + (before.empty() ? 0.0 : before[m].instrument.strip));
+    fit = fit_figures(sheet, all, soft);
+  }
+  if (soft.strip) fail(sheet, soft);
+  return fit;
+}
+
+/// Fits with strips along the bias as the virtual instrument sees them, if there is one.
+Fit fit_bias(const Sheet& sheet, const BiasInstrument& bias, std::vector<Measurement>& all) {
+  TooSoft soft;
+  Fit fit = bias ? fit_softened(sheet, all, {}, soft) : fit_figures(sheet, all, soft);
+  for (int round = 0; bias && round < bias_rounds; ++round) {
+    const std::vector<Measurement> before = all;
+    if (!correct_bias(sheet, fit, bias, all)) break;
+    fit = fit_softened(sheet, all, before, soft);
+  }
+  if (soft.strip) fail(sheet, soft);
+  return fit;
 }
 
 }  // namespace
@@ -327,12 +374,7 @@ Fit fit_sheet(const Sheet& sheet, const DrapeInstrument& drape, const BiasInstru
   std::vector<Measurement> all = sheet.measurements;
   std::vector<FittedLoop> loops;
   take_loops(sheet, loops, all);
-  Fit fit = fit_figures(sheet, all);
-  for (int round = 0; bias && round < bias_rounds; ++round) {
-    const bool changed = correct_bias(sheet, fit, bias, all);
-    if (!changed) break;
-    fit = fit_figures(sheet, all);
-  }
+  Fit fit = fit_bias(sheet, bias, all);
   warn_of_loops(fit, std::move(loops));
   if (sheet.drape) fit_drape(sheet, fit, drape);
   return fit;

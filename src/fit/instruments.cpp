@@ -32,7 +32,8 @@ constexpr std::array<ParameterName, parameter_count> names{
 double rigidity_along(const Values& v, Direction d, double strip) {
   if (d == Direction::warp) return at(v, P::bending_warp);
   if (d == Direction::weft) return at(v, P::bending_weft);
-  return strip * (0.25 * (at(v, P::bending_warp) + at(v, P::bending_weft)) + at(v, P::bending_twist));
+  const BiasLimits limits = bias_limits(at(v, P::bending_warp), at(v, P::bending_weft), at(v, P::bending_twist));
+  return limits.narrow + strip * (limits.cylinder - limits.narrow);
 }
 
 double green(double extension) {

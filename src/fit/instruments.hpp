@@ -4,7 +4,8 @@
 //   bending length  c = (D/(9.81 W))^(1/3)                                             FAST-2, ASTM D1388
 //   overhang        l = (Gamma D/w)^(1/3), Gamma(a) of the heavy elastica whose chord falls by the angle a; 8.0043 at 41.5 degrees
 //   heart loop      heart_loop.hpp
-//   bias            D45 = (D11 + D22)/4 + D66        (D12 = 0), of a strip that bends to a cylinder, times `strip`
+//   bias            D45 = (D11 + D22)/4 + D66        (D12 = 0), of a strip that bends to a cylinder; a narrow one, which twists
+//                   where warp and weft are unlike, has 4/(1/D11 + 1/D22 + 1/D66), the inverse of its compliance
 //   tension         A (x + x^2/2)(1 + x) = F,  WT = A (x + x^2/2)^2/2,  LT = 2 WT/(F x)  where the law is linear
 //   FAST-1          E20 - E5 = 14.71 N/m / A;   FAST-3  EB5 = 1.23 N/m / A66, as FAST has it, without clamps and the stretch of yarns
 //   loops           bending: D k, shear: A66 e, plus the slider of energy/yarn_friction.hpp and energy/yarn_law.hpp
@@ -91,12 +92,19 @@ struct Instrument {
   double load = 0.0;    ///< of tension [N/m]
   bool linear = false;  ///< tension by A instead of the curve through EMT and WT
   double width = 0.05;  ///< of a cantilever along the bias [m]
-  double strip =
-      1.0;  ///< its rigidity over that of a strip that bends to a cylinder: it twists where warp and weft are unlike
+  double strip = 1.0;   ///< along the bias: part of the way from BiasLimits::narrow to cylinder
   double length = 0.0;  ///< of the strip of a heart loop [m]; 0: that of the parameter
 
   [[nodiscard]] double read(const Values& v) const;
 };
+
+/// Rigidities along the bias between which a strip is. [N m]
+struct BiasLimits {
+  double narrow = 0.0, cylinder = 0.0;
+};
+inline BiasLimits bias_limits(double warp, double weft, double twist) {
+  return {4.0 / (1.0 / warp + 1.0 / weft + 1.0 / twist), 0.25 * (warp + weft) + twist};
+}
 
 /// w l^3/D of a strip clamped level whose chord falls by `angle` [rad], between 0 and 1.5.
 [[nodiscard]] double cantilever_load(double angle);

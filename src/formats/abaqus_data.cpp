@@ -224,6 +224,18 @@ void AbaqusDeckReader::take_procedure(const AbaqusWords& words) {
     for (std::size_t k = 1; k < std::min<std::size_t>(words.size(), 4); ++k)
       if (deck_.procedure == Procedure::frequency && !words[k].empty())
         leave(fmt::format("*FREQUENCY, a bound or shift of {}: the lowest modes are found", words[k]));
+  } else if (deck_.procedure == Procedure::riks) {
+    if (words.size() > 1 && !words[1].empty()) deck_.end = number(words, 1);
+    if (!words[0].empty()) deck_.step = number(words, 0);
+    for (std::size_t k = 2; k < words.size(); ++k) {
+      if (words[k].empty()) continue;
+      if (k == 4)
+        deck_.factor = number(words, 4);
+      else
+        leave(fmt::format("*STATIC, RIKS: {} {}", k < 4 ? "arc length of at least or at most" : "end by a node,",
+                          words[k]));
+    }
+    if (words.size() < 5 || words[4].empty()) leave("*STATIC, RIKS without a last load factor: the path ends at 1");
   } else if (words.size() > 1) {
     deck_.end = number(words, 1);
     deck_.step = words[0].empty() ? 0.01 * deck_.end : number(words, 0);  // of an explicit step, which finds its own

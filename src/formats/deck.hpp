@@ -76,6 +76,7 @@ struct Deck {
   Procedure procedure = Procedure::none;
   int modes = 0;
   double step = 0.0, end = 1.0;  ///< of the step, in time
+  double factor = 1.0;           ///< load factor that ends a path of Riks
   std::map<std::string, Table> amplitudes;
   std::vector<std::string> included;  ///< names of included files, as the deck writes them
   std::vector<std::string> node_sets, element_sets;

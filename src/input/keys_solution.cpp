@@ -92,7 +92,7 @@ std::vector<Key> keys_of(EigenSection& s) {
       {.name = "load_factor",
        .slot = &s.load_factor,
        .meaning = "Load factor of the equilibrium about which modes are found; the path of `steps` leads to it. 0: the "
-                  "unloaded state (constant loads act).",
+                  "unloaded state (constant loads act), or the state that an earlier stage or a restart gives.",
        .range = not_negative},
       {.name = "mass",
        .slot = choice(s.mass, {{"consistent", system::Mass::consistent}, {"lumped", system::Mass::lumped}}),

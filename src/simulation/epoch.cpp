@@ -128,7 +128,7 @@ void Epoch::make_path(const record::Recorder& recorder, Origin origin) {
     stepper_ = std::make_unique<solve::LinearStep>(model_, steps.final_load_factor);
   } else if (stage_.analysis == "drape") {
     stepper_ = std::make_unique<solve::Drape>(model_, stage_.drape);
-  } else if (stage_.finds_modes() && (is_given || stage_.eigen.load_factor == 0.0)) {
+  } else if (stage_.finds_modes() && stage_.eigen.load_factor == 0.0) {
     const auto is_constant = [](const auto& acting) { return acting.constant; };
     const bool constant = std::any_of(stage_.loads.begin(), stage_.loads.end(), is_constant) ||
                           std::any_of(stage_.temperatures.begin(), stage_.temperatures.end(), is_constant) ||

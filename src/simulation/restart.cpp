@@ -34,6 +34,12 @@ results::Checkpoint read_any(const input::Case& wanted, const record::RunOptions
         "--restart {}: results do not hold what is left of a gas that leaks; restart from the checkpoint.h5 "
         "beside them",
         options.restart.string()));
+  if (!wanted.attachments.empty())
+    throw UserError(
+        fmt::format("--restart {}: results do not hold where the places of an [[attachment]] are on their obstacle; "
+                    "restart from the "
+                    "checkpoint.h5 beside them",
+                    options.restart.string()));
   results::StoredStep stored = results::read_step(options.restart, options.restart_step, mesh);
   const bool shape_only = stored.in_motion && stored.velocity.empty();
   // A motion would begin anew at time 0, and what moves jump back to where it was then.

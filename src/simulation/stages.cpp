@@ -119,10 +119,9 @@ void hold_over_supports(const Stage& before, Stage& now) {
   }
 }
 
-/// What a stage has scaled its loads by at its end: 0 where it has only perturbed a state by them.
+/// What a stage has scaled its loads by at its end.
 double factor_at_end(const input::Case& c) {
-  if (c.analysis == "dynamic" || c.analysis == "drape") return 1.0;
-  return c.finds_modes() && c.stage.continues() ? 0.0 : c.steps.final_load_factor;
+  return c.analysis == "dynamic" || c.analysis == "drape" ? 1.0 : c.steps.final_load_factor;
 }
 
 /// A motion or a drape takes its loads in full: after a path that ends elsewhere that is a sudden load. Empty if there is none.

@@ -163,6 +163,8 @@ def attachment(report):
     again = run(write_case(held(), OUT / "attachment_again.toml"), fresh("attachment_again"), 2, ["--restart", half.folder / "checkpoint.h5"])
     report.check(again.code == 0, "continues from a checkpoint" + again.text[-300:] * (again.code != 0))
     report.below(float(np.abs(again.displacement() - whole.displacement()).max()), 1e-5, "to the same end [m]")
+    anew = run(write_case(held(), OUT / "attachment_again.toml"), fresh("attachment_anew"), 1, ["--restart", half.folder / "results.vtkhdf"])
+    report.check(anew.code == 2 and "checkpoint.h5" in anew.text, f"results do not hold the places of attachments: code {anew.code}")
     finer = solve("attachment_finer", held(18), 1)
     report.below(max(edge_error(s, s.time) for s in finer.results), 2e-3, "a finer mesh is held alike [m]")
     soft = [solve(f"attachment_soft_{nx}", held(nx, attachment__0__stiffness=100.0, time__end=0.2), 1) for nx in (12, 24)]

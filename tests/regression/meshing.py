@@ -259,6 +259,15 @@ def deck_cases(report):
     found = case.read_text()
     report.check("*BOUNDARY, TYPE=VELOCITY" in said and "OP=NEW" in said and "value = [0, 0.5, 0]" in found and "normal = [0, 1, 0]" in found
                  and "vector = [0, 0, -9810]" in found, f"velocities are no displacements; mirror planes, values and gravity: {said[:300]}")
+    edges = lambda at: ",\n".join(str(1 + at + j * (n + 1)) for j in range(n + 1))  # noqa: E731
+    for name, held in (("numbers", "RIGHT, 1\nRIGHT, 5, 6"), ("mirror", "RIGHT, XSYMM")):
+        pushed = plate("").replace("*Boundary\nEDGE, ENCASTRE\n", "") + f"*Nset, nset=LEFT\n{edges(0)}\n*Nset, nset=RIGHT\n{edges(n)}\n*Boundary\nLEFT, ENCASTRE\n{held}\n*Step, nlgeom\n*Static\n*Boundary\nRIGHT, 1, 1, -0.002\n*End Step\n"
+        code, said, case = begin(f"deck_pushed_{name}", pushed)
+        report.check(code == 0 and 'type = "sliding"\ncomponents = ["x"]\nvalue = [-0.002, 0, 0]' in case.read_text(), f"an edge that is pushed and does not turn, by {name}: {said[:200]}")
+        u = run(case, fresh("deck_pushed_run"), 1).displacement() if name == "mirror" else np.full((1, 3), -0.002)
+        report.near(u[:, 0].min(), -0.002, 1e-12, "and it is where it is pushed to")
+    code, said, case = begin("deck_riks", plate("*Step, nlgeom\n*Static, riks\n0.05, 1., 1e-5, 0.2, 3.\n*Dload\nplate, P, 1e-4\n*End Step"))
+    report.check('control = "arc_length"\nfinal_load_factor = 3\ninitial_step = 0.05\n' in case.read_text() and "arc length of at least or at most 1e-5" in said, f"a path of Riks: {said[:300]}")
     code, said, case = begin("deck_other_set", plate("*Step\n*Frequency\n4, 10., 500.\n*End Step").replace("elset=plate, material", "elset=plat, material"))
     report.check(code == 0 and "SHELL SECTION of plat: there is no such set of shells" in said and "a bound or shift of 500." in said and invoke(["check", case])[0] == 2, f"a section of a set that is not there: {said[:300]}")
     code, said, case = begin("deck_pressed", plate("*Step\n*Static\n*Dload\nplate, P, 1e-4\n*End Step\n*Step\n*Frequency\n4\n*End Step"))

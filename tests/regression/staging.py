@@ -171,6 +171,26 @@ def stages_modal(report):
 
 
 @test
+def modes_on_a_path(report):
+    """[eigen] load_factor leads a later stage, and a restart, to the state that it leads an unbroken run to."""
+    load = [{"type": "line", "group": "tip", "vector": [2000.0, 0, 0]}, {"type": "line", "group": "tip", "vector": [3000.0, 0, 0]}]
+    first = lambda f: solve("path_modes_alone", strip("modal", time=None, eigen={"modes": 1, "load_factor": 1.0},  # noqa: E731
+                                                      load=[load[0] | {"vector": [f, 0, 0]}]), 1).summary["eigenvalues"][0]
+    exact = first(2000.0 + 0.75 * 3000.0)
+    later = staged([stage("pull", "static", steps={"initial_step": 1.0}), stage("ring", "modal", eigen={"modes": 1, "load_factor": 0.75}), stage("after", "modal", eigen={"modes": 1})],
+                   load=[load[0], load[1] | {"stages": ["ring", "after"]}])
+    stages = solve("path_modes_stage", later, 1).summary["stages"]
+    report.near(stages[1]["eigenvalues"][0] / exact, 1.0, 1e-6, "a stage goes to its load factor")
+    report.near(stages[2]["eigenvalues"][0] / exact, 1.0, 1e-6, "where the next one finds it")
+    whole = strip("modal", time=None, load=load[:1], eigen={"modes": 1, "load_factor": 1.0})
+    half = solve("path_modes_half", strip("static", time=None, load=load[:1], steps={"final_load_factor": 0.5, "initial_step": 0.5}), 1)
+    for factor, force in ((0.25, 500.0), (0.0, 1000.0), (1.0, 2000.0)):
+        again = run(write_case(whole | {"eigen": {"modes": 1, "load_factor": factor}}, OUT / "path_modes_again.toml"), fresh("path_modes_again"), 1,
+                    ["--restart", half.folder / "checkpoint.h5"])
+        report.near(again.summary["eigenvalues"][0] / first(force), 1.0, 1e-6, f"a restart from 0.5 with load_factor {factor}")
+
+
+@test
 def stages_interrupted(report):
     """A stage that is stopped ends the run with code 3, and continues from its checkpoint to the end of the unbroken run."""
     long_swing = stage("swing", "dynamic", time={"end": 0.4, "step": 0.002})
