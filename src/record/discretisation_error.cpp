@@ -50,6 +50,18 @@ void stiffen(const energy::Sheet& sheet, const system::TriangleFields& fields, s
   }
 }
 
+/// Of a change the ratio is that of the work of the changes, whose forces are those of the tangent, to dN.A^-1 dN.
+void stiffen_change(const energy::Sheet& sheet, const system::TriangleFields& fields, std::vector<double>& density) {
+  for (std::size_t t = 0; t < density.size(); ++t) {
+    const energy::Material& m = sheet.material(static_cast<Index>(t));
+    if (!m.rubber.any() && !m.yarns.any()) continue;
+    const Vec3 force = of_triangle(fields.membrane_force, t);
+    const double work = force.dot(of_triangle(fields.membrane_strain, t)),
+                 soft = force.dot(m.membrane.inverse() * force);
+    if (soft > 0.0 && work > 0.0) density[t] *= work / soft;
+  }
+}
+
 /// Forces whose differences are judged; on rank 0.
 std::vector<double> judged_forces(const energy::Sheet& sheet, const system::TriangleFields& fields) {
   std::vector<double> forces = fields.membrane_force;
@@ -71,26 +83,27 @@ double round_off_energy(const energy::Sheet& sheet, double strain) {
   return sum;
 }
 
-double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& f) {
+double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& f, FieldsOf what) {
   const bool in_plane = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
   double stored = 0.0;
   for (std::size_t t = 0; t < f.in_plane.size(); ++t) {
     const Vec3 strain = of_triangle(f.membrane_strain, t);
     const energy::Hyperelastic& rubber = sheet.material(static_cast<Index>(t)).rubber;
-    const double density =
-        (rubber.any() ? 2.0 * energy::response(rubber, strain).energy : strain.dot(of_triangle(f.membrane_force, t))) +
-        of_triangle(f.curvature, t).dot(of_triangle(f.bending_moment, t));
+    const double density = (rubber.any() && what == FieldsOf::state ? 2.0 * energy::response(rubber, strain).energy
+                                                                    : strain.dot(of_triangle(f.membrane_force, t))) +
+                           of_triangle(f.curvature, t).dot(of_triangle(f.bending_moment, t));
     stored += sheet.mesh().area(static_cast<Index>(t)) * (0.5 * density + (in_plane ? f.in_plane[t] : 0.0));
   }
   return stored;
 }
 
-DiscretisationError::Densities DiscretisationError::of(const system::Model& model,
-                                                       const system::TriangleFields& fields) {
+DiscretisationError::Densities DiscretisationError::of(const system::Model& model, const system::TriangleFields& fields,
+                                                       FieldsOf what) {
   const energy::Sheet& sheet = model.discretisation().sheet();
   const MPI_Comm comm = model.dofs().comm();
   if (!recovery_) recovery_.emplace(sheet);
-  std::vector<double> force = judged_forces(sheet, fields), moment = fields.bending_moment;
+  std::vector<double> force = what == FieldsOf::state ? judged_forces(sheet, fields) : fields.membrane_force,
+                      moment = fields.bending_moment;
   mpi::broadcast(comm, force);
   mpi::broadcast(comm, moment);
   const auto count = static_cast<std::size_t>(sheet.mesh().triangle_count());
@@ -105,7 +118,7 @@ DiscretisationError::Densities DiscretisationError::of(const system::Model& mode
   }
   mpi::sum_to_root(comm, d.membrane);
   mpi::sum_to_root(comm, d.bending);
-  if (own == 0) stiffen(sheet, fields, d.membrane);
+  if (own == 0) (what == FieldsOf::state ? stiffen : stiffen_change)(sheet, fields, d.membrane);
   return d;
 }
 

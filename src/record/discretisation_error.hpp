@@ -16,9 +16,13 @@
 
 namespace voile::record {
 
-/// Energy of a state as its resultants have it [J], with `six_node_corrected` that of second derivatives in the surface, too. `fields`
-/// on this rank. Not collective.
-[[nodiscard]] double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& fields);
+/// What fields are of: a state, or a small change of one, as a mode is.
+enum class FieldsOf { state, change };
+
+/// Energy of a state as its resultants have it [J], with `six_node_corrected` that of second derivatives in the surface, too; of a
+/// change half the work of the changes. `fields` on this rank. Not collective.
+[[nodiscard]] double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& fields,
+                                   FieldsOf what = FieldsOf::state);
 
 /// Strains below which a nonlinear state is only round-off, such as that of a sheet that has only moved.
 inline constexpr double no_strain = 1e-9;
@@ -39,7 +43,8 @@ class DiscretisationError {
     std::vector<double> membrane, bending;  ///< e_N, e_M of each triangle
   };
   /// Of the model's sheet; `fields` on rank 0. Each rank fits those of its own triangles. Collective; values on rank 0.
-  [[nodiscard]] Densities of(const system::Model& model, const system::TriangleFields& fields);
+  [[nodiscard]] Densities of(const system::Model& model, const system::TriangleFields& fields,
+                             FieldsOf what = FieldsOf::state);
   struct Judged {
     std::string place{};        ///< of the state on a path, e.g. "load factor 0.5"
     double strain = no_strain;  ///< below which it is only round-off

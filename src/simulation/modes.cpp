@@ -31,13 +31,13 @@ double error_of(system::Model& model, Vec a, const solve::Mode& mode, bool vibra
   record::LinearValues change(model, mode.shape, a);
   const system::TriangleFields fields = change.triangle_changes();
   const double whole = 0.5 * change.stiffness();
-  const record::DiscretisationError::Densities error = recovery.of(model, fields);
+  const record::DiscretisationError::Densities error = recovery.of(model, fields, record::FieldsOf::change);
   if (mpi::rank(model.dofs().comm()) != 0) return 0.0;
   const energy::Sheet& sheet = model.discretisation().sheet();
   double sum = 0.0;
   for (std::size_t t = 0; t < error.membrane.size(); ++t)
     sum += sheet.mesh().area(static_cast<Index>(t)) * (error.membrane[t] + error.bending[t]);
-  const double energy = vibration ? whole : record::stored_energy(sheet, fields);
+  const double energy = vibration ? whole : record::stored_energy(sheet, fields, record::FieldsOf::change);
   return energy > 0.0 ? sum / energy : std::nan("");
 }
 
