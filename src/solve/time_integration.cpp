@@ -120,7 +120,12 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
     set_explicit_step(from);
     VOILE_PETSC(VecCopy(from.u, start));
     dynamics.start_step(from.u, from.v, options.step);
-    if (remembers_start()) set_start(coming, from.u, from.v, from.time, options.step);
+    if (!remembers_start()) return;
+    set_start(coming, from.u, from.v, from.time, options.step);
+    if (!from.a || !from.last.u) return;
+    // Of an unbroken motion it begins with the velocity that the step before had in its middle.
+    coming.size = from.time - from.last.time;
+    VOILE_PETSC(VecAXPY(coming.v, -0.5 * coming.size, from.a));
     return;
   }
   const bool contact = model.contact() != nullptr, damped = damps_stiffly(model, dynamics.options());
