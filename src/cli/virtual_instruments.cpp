@@ -14,7 +14,6 @@
 #include "fit/instruments.hpp"
 #include "history_read.hpp"
 #include "side_by_side.hpp"
-#include "voile/errors.hpp"
 
 namespace voile::cli {
 
@@ -169,7 +168,8 @@ Columns run_instrument(const TestedFabric& t, const std::string& name, const std
   bool good = false;
   run_side_by_side({{folder, {}, [] {}, [&](bool success) { good = success; }}}, 1);
   if (!good)
-    throw UserError(fmt::format("{}: the run of this instrument has failed; see run.log there", folder.string()));
+    throw InstrumentFailed(
+        fmt::format("{}: the run of this instrument has failed; see run.log there", folder.string()));
   return read_history(folder / "results" / "history.csv", columns);
 }
 
@@ -212,10 +212,13 @@ double overhang(const TestedFabric& t, int angle, double width) {
   return length * std::cbrt(load / fit::cantilever_load(fall));
 }
 
+double heart_loop_length(const TestedFabric& t) {
+  const double mean = std::sqrt(t.fabric.bending_warp * t.fabric.bending_weft);
+  return std::cbrt(loop_load * mean / (fit::gravity * t.fabric.areal_density));
+}
+
 HeartLoop heart_loop(const TestedFabric& t, int angle) {
-  const double weight = fit::gravity * t.fabric.areal_density,
-               mean = std::sqrt(t.fabric.bending_warp * t.fabric.bending_weft),
-               length = std::cbrt(loop_load * mean / weight), half = 0.5 * length;
+  const double length = heart_loop_length(t), half = 0.5 * length;
   const std::string text =
       head_of(t, "Heart loop", "cantilever.geo",
               fmt::format("length = {:.9g}, width = {:.9g}, nx = 100, ny = 3", half, loop_slenderness * length), angle,
@@ -240,7 +243,7 @@ double bias_extension(const TestedFabric& t) {
     if (after >= bias_load)
       return most * (h[0][n - 1] + (h[0][n] - h[0][n - 1]) * (bias_load - before) / (after - before));
   }
-  throw UserError(fmt::format("{}: the strip along the bias does not carry 5 gf/cm", t.file.string()));
+  throw InstrumentFailed(fmt::format("{}: the strip along the bias does not carry 5 gf/cm", t.file.string()));
 }
 
 std::vector<std::pair<double, double>> bending_record(const TestedFabric& t, int angle) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "input/fabric.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::cli {
 
@@ -21,13 +22,21 @@ struct TestedFabric {
 /// Bending rigidity along the warp (0), the bias (45) or the weft (90), and what a cantilever reads of its overhang [m]. [N m]
 [[nodiscard]] double rigidity_along(const input::Fabric& f, int angle);
 [[nodiscard]] double rigidity_read(const input::Fabric& f, double overhang);
-/// Length of a strip that falls by 41.5 degrees, along the warp (0), the bias (45) or the weft (90) [m]. Throws UserError if the run fails.
+/// The run of an instrument that has not reached its end.
+class InstrumentFailed : public UserError {
+ public:
+  using UserError::UserError;
+};
+
+/// Length of a strip that falls by 41.5 degrees, along the warp (0), the bias (45) or the weft (90) [m]. Throws InstrumentFailed if the run fails.
 [[nodiscard]] double overhang(const TestedFabric& t, int angle, double width = fast_width);
 /// A heart loop: length of its strip, and its height [m].
 struct HeartLoop {
   double length = 0.0, height = 0.0;
 };
-/// Of a narrow strip along the warp (0) or the weft (90), of one length for both. Throws UserError if the run fails.
+/// Length of the strips of both heart loops, for the mean of warp and weft [m].
+[[nodiscard]] double heart_loop_length(const TestedFabric& t);
+/// Of a narrow strip along the warp (0) or the weft (90), of one length for both. Throws InstrumentFailed if the run fails.
 [[nodiscard]] HeartLoop heart_loop(const TestedFabric& t, int angle);
 /// Bending rigidity by the elastica [N m].
 [[nodiscard]] double rigidity_read(const input::Fabric& f, const HeartLoop& loop);

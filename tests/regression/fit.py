@@ -117,6 +117,10 @@ def fabric_test(report):
     report.check(len(strip) == 1 and strip[0] < -3, f"the strip along the bias is {strip} % off a cylinder")
     report.check("virtual cantilever along the bias, 50 mm wide" in text, "the fit asks the virtual strip")
     report.percent(found["bending_twist"] / given["bending_twist"], 0.02, "bending_twist of the fit")
+    (OUT / "unlike.toml").write_text(RUBBING.replace("bending_warp = 1.6e-05", "bending_warp = 2e-3").replace("bending_hysteresis", "#").replace("shear_hysteresis", "#"))
+    code, text = invoke(["fabric-test", OUT / "unlike.toml", "--output", OUT / "unlike", "--overwrite"])
+    sheet = (OUT / "unlike" / "sheet.toml").read_text()
+    report.check(code == 0 and "heart loop, weft: left out" in text and sheet.count("weft") == 1 and sheet.count("warp") == 2, f"yarns too unlike for one heart loop: code {code}: {text.strip()[-200:]}")
     code, text = invoke(["fabric-test", OUT / "rubbing.toml", "--output", folder])
     report.check(code == 2 and "--overwrite" in text, f"an earlier test: exit code {code}: {text.strip()[:110]}")
 
