@@ -26,7 +26,8 @@ constexpr std::size_t most_vertices = 2'000'000;
 constexpr double inwards = 1e-3;
 /// Weights that are negative by less belong to a point that going inwards took across an edge.
 constexpr double beside = 0.01;
-/// Distance from the triangle that was found, over its longest edge, beyond which the meshes are of different sheets.
+/// Distance from the triangle that was found, over the longest edge there of the coarser mesh, beyond which the meshes are of
+/// different sheets.
 constexpr double far = 0.5;
 
 Vec3 centroid(const std::vector<Vec3>& x, const mesh::Triangle& t) {
@@ -83,13 +84,15 @@ class Resampled::Locator {
   [[nodiscard]] std::vector<Place> vertices_of(const mesh::MeshData& other) const {
     std::vector<Place> places;
     const std::vector<Index> triangle = triangles_of_vertices(other);
+    const std::vector<double> edges = edges_at(other);
     for (std::size_t v = 0; v < other.positions.size(); ++v) {
       const Vec3& p = other.positions[v];
       const Vec3 inside = centroid(other.positions, other.triangles[triangle[v]]);
       const Index t = search_.find(p + inwards * (inside - p));
       const mesh::Triangle& face = mesh_.triangles[t];
       places.push_back({t, geometry::nearest_weights(p, corners(mesh_.positions, face), beside)});
-      if ((at(mesh_.positions, face, places.back().weights) - p).norm() > far * longest_side(mesh_.positions, face))
+      if ((at(mesh_.positions, face, places.back().weights) - p).norm() >
+          far * std::max(edges[v], longest_side(mesh_.positions, face)))
         throw UserError(
             fmt::format("one mesh for all frames: the sheet at ({:.4g}, {:.4g}, {:.4g}) m at the start is not in all "
                         "meshes of the run; export its stages or steps apart (--stage, --steps FIRST:LAST)",

@@ -38,13 +38,32 @@ std::string list(const std::vector<system::FreePiece>& pieces, Index all) {
 
 }  // namespace
 
+namespace {
+
+/// Springs and what else pulls vertices to where they are.
+std::vector<system::Spring> all_springs(const input::Case& c) {
+  std::vector<system::Spring> springs = c.springs;
+  for (const system::Attachment& a : c.attachments)
+    for (const std::string& group : a.groups) {
+      system::Spring& s = springs.emplace_back();
+      s.group = group;
+      s.stiffness = a.stiffness;
+    }
+  return springs;
+}
+
+}  // namespace
+
 std::vector<std::string> check_free_motions(const input::Case& c, const system::Model& model) {
   const std::vector<system::FreePiece> free =
-      system::free_pieces(model.dofs().mesh(), model.discretisation().constraints(), c.springs);
+      system::free_pieces(model.dofs().mesh(), model.discretisation().constraints(), all_springs(c));
   if (free.empty()) return {};
+  Index drifting = 0;  // triangles
+  for (const system::FreePiece& piece : free) drifting += piece.translations > 0 ? piece.triangles : 0;
   const std::string what = list(free, model.dofs().mesh().triangle_count());
-  const bool drifts = std::any_of(free.begin(), free.end(), [](const auto& p) { return p.translations > 0; });
-  const bool moves = c.analysis == "dynamic" || c.vibrates(), contact = model.contact() != nullptr;
+  const bool drifts = drifting > 0, moves = c.analysis == "dynamic" || c.vibrates();
+  // Pieces that touch only each other still drift.
+  const bool contact = model.contact() && (!c.obstacles.empty() || drifting < model.dofs().mesh().triangle_count());
   const bool linear = c.analysis == "linear" || c.analysis == "buckling";
   if (linear || (!moves && drifts && !contact))
     throw UserError(fmt::format(

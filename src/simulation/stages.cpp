@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "base/mpi.hpp"
 #include "base/text.hpp"
@@ -326,7 +327,12 @@ void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {
   (void)record::Probes(stage.c, model);
   check_remesh(stage.options.comm, stage.c, mesh);
 } catch (const UserError& e) {
-  throw UserError(fmt::format("stage '{}': {}", stage.c.stage.name, e.what()));
+  // The file stands before the stage, not between it and the section.
+  std::string_view what = e.what();
+  const std::string file = stage.c.file.string() + ": ";
+  const bool named = what.starts_with(file);
+  if (named) what.remove_prefix(file.size());
+  throw UserError(fmt::format("{}stage '{}': {}", named ? file : "", stage.c.stage.name, what));
 }
 
 }  // namespace voile::simulation

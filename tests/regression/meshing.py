@@ -551,6 +551,10 @@ def nothing_held(report):
     report.check(code == 2 and "6 free rigid-body motions" in text, f"check: code {code}: {text.strip()[-150:]}")
     code, text = invoke(["run", OUT / "nothing_held.toml", "--output", OUT / "nothing_held"])
     report.check(code == 2 and "nothing holds it" in text, f"run: code {code}")
+    touching = case | {"contact": {"distance": 1e-3}}
+    for c in (touching | {"analysis": "drape"}, {k: v for k, v in touching.items() if k != "analysis"} | {"stage": [{"name": "rest", "analysis": "drape"}]}):
+        code, text = invoke(["check", write_case(c, OUT / "touching.toml")])
+        report.check(code == 2 and "nothing ends a free translation" in text and text.count("touching.toml") == 1, f"contact holds nothing where nothing else is: code {code}: {text.strip()[-300:]}")
     case["support"] = [{"type": "displacement", "group": "left", "components": ["x", "z"]}]
     code, text = invoke(["check", write_case(case, OUT / "sliding.toml")])
     report.check(code == 2 and "1 translation(s) along (0, 1, 0)" in text, f"free to slide: code {code}: {text.strip()[-150:]}")
