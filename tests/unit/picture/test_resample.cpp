@@ -191,6 +191,28 @@ TEST_CASE("a curved sheet of very different meshes is put on one mesh") {
   }
 }
 
+TEST_CASE("a coarse mesh may lie beside a fine one by more than cells of that") {
+  const Folder folder;
+  const auto rolled = [](int cells, double radius) {
+    mesh::MeshData data = square(Pattern::union_jack, cells);
+    for (Vec3& x : data.positions) x = Vec3(radius * std::cos(3.0 * x[0]), x[1], radius * std::sin(3.0 * x[0]));
+    return mesh::SurfaceMesh(data);
+  };
+  // As after remeshing of a curved start: 0.05 m off, where cells are 0.25 and 0.08 m long.
+  const mesh::SurfaceMesh coarse = rolled(12, 1.05), fine = rolled(48, 1.0);
+  results::ResultsWriter writer = begin(folder.path, coarse);
+  for (const mesh::SurfaceMesh* mesh : {&coarse, &fine}) {
+    if (mesh == &fine) writer.begin_epoch(fine, ramp(fine.vertex_count()), ramp(fine.triangle_count()));
+    const std::vector<double> u(3 * static_cast<std::size_t>(mesh->vertex_count()), 0.0);
+    const int step = mesh == &fine ? 1 : 0;
+    writer.write({step, 0.1 * step, 0.0, {{"displacement", "m", results::Centre::vertex, 3, u}}, {}});
+  }
+  writer.finish();
+  const Recording r(folder.path);
+  const ExportOptions options{"pc2", folder.path / "motion.pc2", {}, 25.0, true};
+  CHECK_NOTHROW((void)export_results(r, r.select("all"), options));
+}
+
 TEST_CASE("a sheet on one mesh that meets itself is told") {
   const Folder folder;
   const mesh::SurfaceMesh first(cut_square(4)), second(cut_square(6));
