@@ -19,6 +19,9 @@ std::string place_text(const mesh::SurfaceMesh& mesh, const Vec3& x) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g}) m at {}", x[0], x[1], x[2], mesh.has_charts() ? "the start" : "rest");
 }
 
+/// Beyond the end of a curve by less than this part is at its end.
+constexpr double round_off = 1e-6;
+
 /// What a strain is, in words, and a size of it.
 std::string strain_text(Reach::Of of) {
   if (of == Reach::Of::principal) return "a membrane strain";
@@ -27,8 +30,10 @@ std::string strain_text(Reach::Of of) {
                                  : "a strain along the weft";
 }
 
-std::string size_text(Reach::Of of, double strain) {
-  if (of != Reach::Of::shear) return fmt::format("{:.2g} %", 100.0 * strain);
+/// Curves are of extensions, laws of Green's strain.
+std::string size_text(Reach::Of of, double strain, bool measured) {
+  const double size = measured ? std::sqrt(std::max(0.0, 1.0 + 2.0 * strain)) - 1.0 : strain;
+  if (of != Reach::Of::shear) return fmt::format("{:.2g} %", 100.0 * size);
   return fmt::format("{:.2g} degrees", std::asin(std::clamp(strain, -1.0, 1.0)) * 180.0 / std::numbers::pi);
 }
 
@@ -36,7 +41,7 @@ std::string size_text(Reach::Of of, double strain) {
 
 // Results beyond go on, but the law no longer holds.
 void Warnings::say_strain(const mesh::SurfaceMesh& mesh, const Reach& reach, Index triangle) {
-  if (!(reach.ratio() > 1.0) || std::exchange(said_strain_, true)) return;
+  if (!(reach.ratio() > 1.0 + round_off) || std::exchange(said_strain_, true)) return;
   const Vec3 x =
       (mesh.start_corner(triangle, 0) + mesh.start_corner(triangle, 1) + mesh.start_corner(triangle, 2)) / 3.0;
   const std::string why =
@@ -44,8 +49,8 @@ void Warnings::say_strain(const mesh::SurfaceMesh& mesh, const Reach& reach, Ind
           ? "there its measured curve has ended, at {}, and goes on straight; measure it further, or check loads"
           : "the law is linear in the strain and meant for less than {}";
   fmt::print(stderr, "voile: warning: {} of {} at {}: {} (history: largest_strain)\n", strain_text(reach.of),
-             size_text(reach.of, reach.strain), place_text(mesh, x),
-             fmt::format(fmt::runtime(why), size_text(reach.of, reach.limit)));
+             size_text(reach.of, reach.strain, reach.measured), place_text(mesh, x),
+             fmt::format(fmt::runtime(why), size_text(reach.of, reach.limit, reach.measured)));
 }
 
 void Warnings::say_dimples(const input::Case& c, const energy::Sheet& sheet, const std::vector<double>& displacement) {

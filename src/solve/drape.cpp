@@ -85,7 +85,7 @@ class Search {
     Vec a = state.u;
     if (!model_.contact() || !options_.fall) {
       newton_->start_friction(a);
-      return settle(a, options_.max_iterations);
+      return ended(settle(a, options_.max_iterations));
     }
     NewtonResult result;
     int spent = 0, budget = least_search;
@@ -111,10 +111,18 @@ class Search {
       rest_speed *= next_rest_speed;
     }
     result.iterations = spent;
-    return result;
+    return ended(std::move(result));
   }
 
  private:
+  /// Says where more iterations may help.
+  [[nodiscard]] NewtonResult ended(NewtonResult result) const {
+    if (!result.converged && result.iterations >= options_.max_iterations)
+      result.reason +=
+          fmt::format("; [drape] max_iterations = {} has ended the search: give more", options_.max_iterations);
+    return result;
+  }
+
   /// Iterations of the first search after a fall, if the fall took fewer.
   static constexpr int least_search = 100;
   /// Cells per unit of time (drape_motion.hpp) at which a search takes over from the first fall, and the factor on it
