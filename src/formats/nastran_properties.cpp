@@ -44,6 +44,9 @@ Deck::Material orthotropic(const NastranCard& card) {
   return m;
 }
 
+/// Xt, Xc, Yt, Yc, S of a MAT8.
+constexpr std::size_t first_strength = 12, last_strength = 16;
+
 bool is_property(const std::string& name) {
   return name == "PSHELL" || name == "PCOMP";
 }
@@ -178,6 +181,11 @@ void NastranProperties::add_laminate(Deck& deck, const NastranCard& card) {
 void NastranProperties::add_to(Deck& deck, double mass) {
   for (const auto& [id, card] : materials_) {
     if (card->name == "MAT1") note_shear(deck, *card);
+    for (std::size_t k = first_strength; card->name == "MAT8" && k <= last_strength; ++k)
+      if (!card->field(k).empty()) {
+        leave(deck, *card, fmt::format("MAT8 {}: strengths; give the [[material]] `failure` and its strengths", id));
+        break;
+      }
     Deck::Material& m = deck.materials[card->field(1)];
     m = card->name == "MAT8" ? orthotropic(*card) : isotropic(*card);
     m.density *= mass;

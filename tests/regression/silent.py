@@ -273,6 +273,7 @@ def nastran_silent(report):
             ("shell", SHELL + shell + PLY, 0, ('analysis = "linear"', "without PARAM,LGDISP,1", 'type = "orthotropic"', "direction = [0.866", "shear_12 = 5000000000")),
             ("large", SHELL + shell + PLY + "PARAM,LGDISP,1\n", 0, ('analysis = "static"',)),
             ("laminate", SHELL + "PCOMP,5,,,,,,,SYM\n,7,.00025,0.,,7,.00025,90.\n" + PLY, 0, ('type = "laminate"', "angles = [0, 90, 90, 0]", "ply_thicknesses = [0.00025")),
+            ("strengths", SHELL + shell + PLY + ",,,,1500.+6,1500.+6,40.+6,246.+6,68.+6\n", 0, ("MAT8 7: strengths",)),
             ("beside", SHELL + "PCOMP,5,0.\n,7,.00025,0.,,7,.00025,90.\n" + PLY, 2, ("Z0 = 0.",)),
             ("axes", SHELL.replace("CQUAD4,1,5,1,2,3,4,30.", "CTRIA3,1,5,1,2,3,0.\nCTRIA3,2,5,1,3,4,0.") + shell + PLY, 0, ("material axes (THETA, MCID) that differ",))):
         code, text = converted(deck)
