@@ -12,6 +12,7 @@
 
 #include "mesh/coincident.hpp"
 #include "mesh/sorted_points.hpp"
+#include "tie_points.hpp"
 #include "tie_surface.hpp"
 #include "triangle_division.hpp"
 #include "voile/errors.hpp"
@@ -43,28 +44,18 @@ Crossing cross(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 class Tying {
  public:
   Tying(mesh::MeshData& data, double tolerance, const std::vector<Segment>& rims)
-      : data_(data), tolerance_(tolerance), rim_(all_rims(data, rims)) {}
+      : data_(data), tolerance_(tolerance), points_(data, tolerance), rim_(all_rims(data, rims)) {}
 
   Tied run() {
     find_vertices();
     find_crossings();
-    for (auto& [edge, points] : on_edge_) sort_along(edge, points);
+    points_.sort();
     divide();
     return tied_;
   }
 
  private:
   const Vec3& x(Index v) const { return data_.positions[v]; }
-
-  bool is_on(Index v, const Segment& edge) const {
-    if (v == edge[0] || v == edge[1]) return true;
-    const auto at = on_edge_.find(edge);
-    return at != on_edge_.end() && std::find(at->second.begin(), at->second.end(), v) != at->second.end();
-  }
-
-  void put_on(Index v, const Segment& edge) {
-    if (!is_on(v, edge)) on_edge_[edge].push_back(v);
-  }
 
   /// Vertices of rims in triangles or on their sides, and all others on rims.
   void find_vertices() {
@@ -79,13 +70,7 @@ class Tying {
       rims.each_near(corners, tolerance_, [&](Index v) {
         if (v == t[0] || v == t[1] || v == t[2] || distance_to_triangle(x(v), corners) > tolerance_) return;
         require_height(static_cast<Index>(k));
-        bool side = false;
-        for (std::size_t s = 0; s < 3; ++s) {
-          if (distance_to_segment(x(v), corners[s], corners[(s + 1) % 3]) > tolerance_) continue;
-          put_on(v, mesh::ascending(t[s], t[(s + 1) % 3]));
-          side = true;
-        }
-        if (!side) inside_[static_cast<Index>(k)].push_back(v);
+        points_.put_in(v, static_cast<Index>(k));
         hanging.insert(v);
       });
     }
@@ -93,7 +78,7 @@ class Tying {
     for (const Segment& e : rim_)
       anywhere.each_near(std::array{x(e[0]), x(e[1])}, tolerance_, [&](Index v) {
         if (v == e[0] || v == e[1] || distance_to_segment(x(v), x(e[0]), x(e[1])) > tolerance_) return;
-        put_on(v, e);
+        points_.put_on(v, e);
         hanging.insert(v);
       });
     tied_.vertices = static_cast<Index>(hanging.size());
@@ -130,42 +115,19 @@ class Tying {
       const Segment edge = entry.first;
       sorted.each_near(std::array{x(edge[0]), x(edge[1])}, 0.5 * longest + tolerance_, [&](Index k) {
         const Segment& rim = rim_[k];
-        if (is_on(rim[0], edge) || is_on(rim[1], edge) || is_on(edge[0], rim) || is_on(edge[1], rim)) return;
+        if (points_.is_on(rim[0], edge) || points_.is_on(rim[1], edge) || points_.is_on(edge[0], rim) ||
+            points_.is_on(edge[1], rim))
+          return;
         const Crossing c = cross(x(edge[0]), x(edge[1]), x(rim[0]), x(rim[1]));
         if (c.parallel || c.distance > tolerance_ ||
             !(c.first > 0.0 && c.first < 1.0 && c.second > 0.0 && c.second < 1.0))
           return;
         if (!done.insert(std::minmax(edge, rim)).second) return;
-        const Index v = vertex_at(edge, x(edge[0]) + c.first * (x(edge[1]) - x(edge[0])));
-        put_on(v, edge);
-        put_on(v, rim);
+        const Index v = points_.vertex_at(edge, x(edge[0]) + c.first * (x(edge[1]) - x(edge[0])));
+        points_.put_on(v, edge);
+        points_.put_on(v, rim);
       });
     }
-  }
-
-  /// One that divides the edge there already, of another rim along the same line, or a new one.
-  Index vertex_at(const Segment& edge, const Vec3& place) {
-    if (const auto at = on_edge_.find(edge); at != on_edge_.end())
-      for (const Index v : at->second)
-        if ((x(v) - place).norm() <= tolerance_) return v;
-    data_.positions.push_back(place);
-    return static_cast<Index>(data_.positions.size()) - 1;
-  }
-
-  void sort_along(const Segment& edge, std::vector<Index>& points) const {
-    const Vec3 along = x(edge[1]) - x(edge[0]);
-    std::sort(points.begin(), points.end(), [&](Index v, Index w) { return x(v).dot(along) < x(w).dot(along); });
-  }
-
-  /// Vertices from a to b, both included.
-  std::vector<Index> chain(Index a, Index b) const {
-    std::vector<Index> vertices{a};
-    if (const auto at = on_edge_.find(mesh::ascending(a, b)); at != on_edge_.end()) {
-      vertices.insert(vertices.end(), at->second.begin(), at->second.end());
-      if (a > b) std::reverse(vertices.begin() + 1, vertices.end());
-    }
-    vertices.push_back(b);
-    return vertices;
   }
 
   void divide() {
@@ -174,17 +136,15 @@ class Tying {
     for (std::size_t t = 0; t < count; ++t) parent[t] = static_cast<Index>(t);
     std::map<Index, std::set<Index>> pieces;  // of rims: what follows each vertex
     for (const Segment& e : rim_) {
-      const std::vector<Index> points = chain(e[0], e[1]);
+      const std::vector<Index> points = points_.chain(e[0], e[1]);
       for (std::size_t i = 0; i + 1 < points.size(); ++i) pieces[points[i]].insert(points[i + 1]);
     }
     std::set<Index> touched;
     for (std::size_t t = 0; t < count; ++t) divide(static_cast<Index>(t), pieces, parent, touched);
     tied_.triangles = static_cast<Index>(touched.size());
     update_groups(parent);
-    std::set<Index> vertices;
-    for (const auto& [edge, points] : on_edge_) vertices.insert(points.begin(), points.end());
-    for (const auto& [t, points] : inside_) vertices.insert(points.begin(), points.end());
-    improve_angles(data_, vertices, tolerance_);
+    const std::vector<Index> vertices = points_.all();
+    improve_angles(data_, {vertices.begin(), vertices.end()}, tolerance_);
   }
 
   void divide(Index t, const std::map<Index, std::set<Index>>& pieces, std::vector<Index>& parent,
@@ -193,14 +153,13 @@ class Tying {
     std::vector<Index> vertices, outline;
     std::vector<std::size_t> begins;
     for (std::size_t s = 0; s < 3; ++s) {
-      std::vector<Index> side = chain(corners[s], corners[(s + 1) % 3]);
+      std::vector<Index> side = points_.chain(corners[s], corners[(s + 1) % 3]);
       side.pop_back();
       begins.push_back(vertices.size());
       vertices.insert(vertices.end(), side.begin(), side.end());
     }
     for (std::size_t i = 0; i < vertices.size(); ++i) outline.push_back(static_cast<Index>(i));
-    if (const auto at = inside_.find(t); at != inside_.end())
-      vertices.insert(vertices.end(), at->second.begin(), at->second.end());
+    vertices.insert(vertices.end(), points_.inside(t).begin(), points_.inside(t).end());
     if (vertices.size() == 3) return;
     std::map<Index, Index> local;
     for (std::size_t i = 0; i < vertices.size(); ++i) local[vertices[i]] = static_cast<Index>(i);
@@ -222,7 +181,7 @@ class Tying {
   bool on_one_side(Index v, Index w, const mesh::Triangle& corners) const {
     for (std::size_t s = 0; s < 3; ++s) {
       const Segment edge = mesh::ascending(corners[s], corners[(s + 1) % 3]);
-      if (is_on(v, edge) && is_on(w, edge)) return true;
+      if (points_.is_on(v, edge) && points_.is_on(w, edge)) return true;
     }
     return false;
   }
@@ -240,7 +199,7 @@ class Tying {
     }
     for (std::size_t s = 0; s < 3; ++s) {
       const Index a = corners[s], b = corners[(s + 1) % 3];
-      const std::size_t points = chain(a, b).size() - 1;
+      const std::size_t points = points_.chain(a, b).size() - 1;
       for (std::size_t i = begins[s]; i < begins[s] + points; ++i) {
         const double at = station(x(vertices[i]), x(a), x(b));
         weights[i].setZero();
@@ -294,7 +253,7 @@ class Tying {
       std::set<Index> vertices(g.vertices.begin(), g.vertices.end());
       std::vector<Segment> segments;
       for (const Segment& e : g.segments) {
-        const std::vector<Index> points = chain(e[0], e[1]);
+        const std::vector<Index> points = points_.chain(e[0], e[1]);
         for (std::size_t i = 0; i + 1 < points.size(); ++i) segments.push_back({points[i], points[i + 1]});
         vertices.insert(points.begin(), points.end());
       }
@@ -321,10 +280,8 @@ class Tying {
 
   mesh::MeshData& data_;
   double tolerance_;
+  TiePoints points_;
   std::vector<Segment> rim_;
-  /// Vertices that divide an edge (ascending), from its first to its second end.
-  std::map<Segment, std::vector<Index>> on_edge_;
-  std::map<Index, std::vector<Index>> inside_;  ///< vertices inside a triangle
   Tied tied_;
 };
 
