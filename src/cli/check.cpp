@@ -67,7 +67,7 @@ void print_balance(const mesh::SurfaceMesh& mesh, int ranks) {
 }
 
 void report(const mesh::SurfaceMesh& mesh, int ranks, const setup::MeshQuality& quality,
-            const energy::ElementOptions& element) {
+            const energy::ElementOptions& element, setup::Crossings crossings) {
   fmt::print("{}: {} vertices, {} triangles, {} unknowns, {} connected piece{}\n", mesh.source(), mesh.vertex_count(),
              mesh.triangle_count(), 3 * mesh.vertex_count(), mesh.component_count(),
              mesh.component_count() == 1 ? "" : "s");
@@ -78,7 +78,7 @@ void report(const mesh::SurfaceMesh& mesh, int ranks, const setup::MeshQuality& 
   print_edges(mesh);
   print_balance(mesh, ranks);
   fmt::print("{}", setup::quality_text(mesh, quality, element));
-  for (const std::string& text : setup::mesh_notes(mesh)) fmt::print("note: {}\n", text);
+  for (const std::string& text : setup::mesh_notes(mesh, crossings)) fmt::print("note: {}\n", text);
   for (const std::string& text : setup::quality_warnings(mesh, quality, element)) fmt::print("warning: {}\n", text);
   if (const std::string text = setup::fold_warning(mesh, quality, element); !text.empty())
     fmt::print("warning: {}\n", text);
@@ -88,7 +88,7 @@ void report(const mesh::SurfaceMesh& mesh, int ranks, const setup::MeshQuality& 
 
 void info(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) {
   const setup::MeshQuality quality = setup::measure_quality(comm, mesh, element);
-  mpi::on_root(comm, [&] { report(mesh, mpi::size(comm), quality, element); });
+  mpi::on_root(comm, [&] { report(mesh, mpi::size(comm), quality, element, setup::Crossings::noted); });
 }
 
 void check(MPI_Comm comm, const input::Case& whole) {
@@ -125,7 +125,8 @@ void check(MPI_Comm comm, const input::Case& whole) {
   mpi::on_root(comm, [&] {
     (void)record::Probes(c, model);
     fmt::print("{}", record::units_text(c));
-    report(mesh, mpi::size(comm), quality, c.element);
+    report(mesh, mpi::size(comm), quality, c.element,
+           c.contact.input.active ? setup::Crossings::seen : setup::Crossings::noted);
     if (const std::string text = record::locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
       fmt::print("warning: {}\n", text);
     if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);

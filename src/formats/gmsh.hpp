@@ -22,7 +22,8 @@ struct MeshOptions {
   int algorithm = 0;                         ///< Gmsh's 2-D algorithm number; 0: as the .geo says
   double scale = 1.0;                        ///< file coordinates are multiplied by this to become metres
   Placement placement = {};                  ///< then put in place by read_mesh(); read_gmsh() does not
-  bool merge = false;                        ///< make one of vertices that coincide (mesh/coincident.hpp)
+  bool merge = false;                        ///< make one mesh of parts that touch; taken by the caller of read_mesh()
+  bool join_crossing = true;                 ///< also where they pass through each other
   bool allow_system_call = false;            ///< let a .geo run programs and write files (geo_safety.hpp)
   double merge_tolerance = 0.0;              ///< how close they must lie [m]; 0: mesh::default_merge_tolerance()
   RestShape rest = RestShape::positions;     ///< taken by the caller of read_mesh()

@@ -12,6 +12,7 @@
 
 #include "mesh/coincident.hpp"
 #include "mesh/sorted_points.hpp"
+#include "tie_crossing.hpp"
 #include "tie_points.hpp"
 #include "tie_surface.hpp"
 #include "triangle_division.hpp"
@@ -24,15 +25,15 @@ namespace {
 using mesh::Segment;
 
 /// Where two segments are nearest to each other; parts of the way, not bounded.
-struct Crossing {
+struct Meeting {
   double first = 0.0, second = 0.0, distance = 0.0;
   bool parallel = false;
 };
 
-Crossing cross(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+Meeting cross(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 u = b - a, v = d - c, w = c - a;
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), det = uu * vv - uv * uv;
-  Crossing x;
+  Meeting x;
   x.parallel = det <= 1e-6 * uu * vv;
   if (x.parallel) return x;
   x.first = (vv * u.dot(w) - uv * v.dot(w)) / det;
@@ -46,9 +47,13 @@ class Tying {
   Tying(mesh::MeshData& data, double tolerance, const std::vector<Segment>& rims)
       : data_(data), tolerance_(tolerance), points_(data, tolerance), rim_(all_rims(data, rims)) {}
 
-  Tied run() {
+  Tied run(bool crossing) {
+    const auto first = static_cast<Index>(data_.positions.size());
     find_vertices();
     find_crossings();
+    if (crossing) crossing_ = crossing_triangles(data_, tolerance_);
+    tied_.vertices += pierce(data_, crossing_, points_);
+    find_new_vertices(first);
     points_.sort();
     divide();
     return tied_;
@@ -118,14 +123,28 @@ class Tying {
         if (points_.is_on(rim[0], edge) || points_.is_on(rim[1], edge) || points_.is_on(edge[0], rim) ||
             points_.is_on(edge[1], rim))
           return;
-        const Crossing c = cross(x(edge[0]), x(edge[1]), x(rim[0]), x(rim[1]));
+        const Meeting c = cross(x(edge[0]), x(edge[1]), x(rim[0]), x(rim[1]));
         if (c.parallel || c.distance > tolerance_ ||
             !(c.first > 0.0 && c.first < 1.0 && c.second > 0.0 && c.second < 1.0))
           return;
         if (!done.insert(std::minmax(edge, rim)).second) return;
-        const Index v = points_.vertex_at(edge, x(edge[0]) + c.first * (x(edge[1]) - x(edge[0])));
+        const Index v = points_.vertex_at(x(edge[0]) + c.first * (x(edge[1]) - x(edge[0])), edge, rim);
         points_.put_on(v, edge);
         points_.put_on(v, rim);
+      });
+    }
+  }
+
+  /// Where three parts meet, a new vertex of two of them is in a triangle of the third.
+  void find_new_vertices(Index first) {
+    std::vector<Index> added;
+    for (Index v = first; v < static_cast<Index>(data_.positions.size()); ++v) added.push_back(v);
+    if (added.empty()) return;
+    const mesh::SortedPoints sorted(data_.positions, added);
+    for (std::size_t k = 0; k < data_.triangles.size(); ++k) {
+      const std::array<Vec3, 3> corners = corners_of(data_, static_cast<Index>(k));
+      sorted.each_near(corners, tolerance_, [&](Index v) {
+        if (distance_to_triangle(x(v), corners) <= tolerance_) (void)points_.put_in(v, static_cast<Index>(k));
       });
     }
   }
@@ -134,11 +153,12 @@ class Tying {
     const std::size_t count = data_.triangles.size();
     std::vector<Index> parent(count);
     for (std::size_t t = 0; t < count; ++t) parent[t] = static_cast<Index>(t);
-    std::map<Index, std::set<Index>> pieces;  // of rims: what follows each vertex
+    std::map<Index, std::set<Index>> pieces;  // of rims and crossings: what follows each vertex
     for (const Segment& e : rim_) {
       const std::vector<Index> points = points_.chain(e[0], e[1]);
       for (std::size_t i = 0; i + 1 < points.size(); ++i) pieces[points[i]].insert(points[i + 1]);
     }
+    for (const Segment& line : lines_of(data_, crossing_, points_)) pieces[line[0]].insert(line[1]);
     std::set<Index> touched;
     for (std::size_t t = 0; t < count; ++t) divide(static_cast<Index>(t), pieces, parent, touched);
     tied_.triangles = static_cast<Index>(touched.size());
@@ -282,14 +302,17 @@ class Tying {
   double tolerance_;
   TiePoints points_;
   std::vector<Segment> rim_;
+  std::vector<TrianglePair> crossing_;
   Tied tied_;
 };
 
 }  // namespace
 
-Tied tie_parts(mesh::MeshData& data, double tolerance, std::vector<mesh::Segment> rims) {
-  const Index moved = move_to_rims(data, tolerance, rims);
-  Tied tied = Tying(data, tolerance, rims).run();
+Tied tie_parts(mesh::MeshData& data, double tolerance, std::vector<mesh::Segment> rims, Crossing crossing) {
+  Index moved = move_to_rims(data, tolerance, rims);
+  const bool joins = crossing == Crossing::joined;
+  if (joins) moved += move_to_crossings(data, tolerance, rims);
+  Tied tied = Tying(data, tolerance, rims).run(joins);
   tied.moved = moved;
   return tied;
 }

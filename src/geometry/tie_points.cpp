@@ -33,10 +33,11 @@ bool TiePoints::put_in(Index v, Index triangle) {
   return true;
 }
 
-Index TiePoints::vertex_at(const mesh::Segment& edge, const Vec3& place) {
-  if (const auto at = on_edge_.find(edge); at != on_edge_.end())
-    for (const Index v : at->second)
-      if ((x(v) - place).norm() <= tolerance_) return v;
+Index TiePoints::vertex_at(const Vec3& place, const mesh::Segment& edge, const mesh::Segment& other) {
+  for (const mesh::Segment& e : {edge, other})
+    if (const auto at = on_edge_.find(e); at != on_edge_.end())
+      for (const Index v : at->second)
+        if ((x(v) - place).norm() <= tolerance_) return v;
   data_->positions.push_back(place);
   return static_cast<Index>(data_->positions.size()) - 1;
 }

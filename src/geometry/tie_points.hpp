@@ -19,8 +19,8 @@ class TiePoints {
   void put_on(Index v, const mesh::Segment& edge);
   /// In a triangle, or on its sides within the tolerance. Returns false for its corners.
   bool put_in(Index v, Index triangle);
-  /// A vertex that divides the edge there already, of another rim along the same line, or a new one.
-  [[nodiscard]] Index vertex_at(const mesh::Segment& edge, const Vec3& place);
+  /// A vertex that divides one of two edges there already, of another rim along the same line, or a new one.
+  [[nodiscard]] Index vertex_at(const Vec3& place, const mesh::Segment& edge, const mesh::Segment& other);
   /// Sorts what divides edges from their first to their second end.
   void sort();
   /// Vertices from a to b, both included; after sort() in order.

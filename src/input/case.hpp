@@ -4,6 +4,7 @@
 // case and docs/reference/case.md all come from that declaration.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -341,6 +342,11 @@ struct Case {
   /// Whether it is one of several stages: what moves in another one stands still in it.
   [[nodiscard]] bool is_staged() const { return !stage.name.empty(); }
   /// Whether it finds modes about an equilibrium instead of following a path; whether those are of vibration.
+  /// Whether contact keeps the sheet from passing through itself, in some stage.
+  [[nodiscard]] bool touches_itself() const {
+    return (contact.input.active && contact.input.self) ||
+           std::any_of(stages.begin(), stages.end(), [](const Case& one) { return one.touches_itself(); });
+  }
   [[nodiscard]] bool finds_modes() const { return vibrates() || analysis == "buckling"; }
   [[nodiscard]] bool vibrates() const { return analysis == "modal" || analysis == "harmonic"; }
 };

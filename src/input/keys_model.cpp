@@ -58,7 +58,9 @@ std::vector<Key> reading_keys(formats::MeshOptions& o) {
        .slot = &o.merge,
        .meaning =
            "Whether parts are joined where they touch: vertices at one place become one if one is on a boundary, "
-           "and triangles are divided where a part ends on them."},
+           "and triangles are divided where a part ends on them or, without contact of the sheet with itself, passes "
+           "through "
+           "them."},
       {.name = "merge_tolerance",
        .slot = &o.merge_tolerance,
        .meaning = "How close they lie, after `scale`. 0: a millionth of the mesh's extent, but at most a tenth of "

@@ -119,7 +119,9 @@ void report_mesh(const input::Case& c, const RunOptions& options, const system::
     if (options.verbosity != Verbosity::quiet) {
       fmt::print("{}", setup::quality_text(mesh, quality, c.element));
       for (const std::string& text : c.notes) fmt::print("note: {}\n", text);
-      for (const std::string& text : setup::mesh_notes(mesh)) fmt::print("note: {}\n", text);
+      for (const std::string& text :
+           setup::mesh_notes(mesh, c.contact.input.active ? setup::Crossings::seen : setup::Crossings::noted))
+        fmt::print("note: {}\n", text);
       for (const std::string& text : setup::sheet_notes(model.discretisation().sheet())) fmt::print("note: {}\n", text);
     }
     for (const std::string& text : setup::quality_warnings(mesh, quality, c.element)) fmt::print("warning: {}\n", text);

@@ -84,8 +84,7 @@ Vec3 origin_of(const input::Case& c, const input::PanelSection& s, Landmarks& la
 double layer_offset(const input::Case& c, const input::PanelSection& s, const pattern::Panel& p) {
   if (s.layer == 0) return 0.0;
   const std::string where = where_of(c, s);
-  const auto has_contact = [](const input::Case& one) { return one.contact.input.active && one.contact.input.self; };
-  if (!has_contact(c) && std::none_of(c.stages.begin(), c.stages.end(), has_contact))
+  if (!c.touches_itself())
     throw UserError(
         fmt::format("{} layer: without contact of the sheet with itself nothing keeps layers apart; add "
                     "[contact], or remove the key",
@@ -348,7 +347,11 @@ void check_attached_groups(const input::Case& stage, const mesh::SurfaceMesh& me
 }
 
 mesh::SurfaceMesh mesh_of(MPI_Comm comm, const input::Case& c) {
-  if (c.panels.empty()) return load_mesh(comm, c.mesh.file, c.mesh.options);
+  if (c.panels.empty()) {
+    formats::MeshOptions options = c.mesh.options;
+    options.join_crossing = !c.touches_itself();  // cloth that starts through itself is no joint
+    return load_mesh(comm, c.mesh.file, options);
+  }
   mesh::MeshData data;
   mpi::on_root(comm, [&] {
     data = garment_of(c).mesh;

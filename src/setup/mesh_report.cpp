@@ -13,6 +13,7 @@
 #include "energy/curvature.hpp"
 #include "energy/sheet.hpp"
 #include "geometry/hanging_vertices.hpp"
+#include "geometry/tie_crossing.hpp"
 #include "mesh/coincident.hpp"
 #include "mesh/panels.hpp"
 #include "mesh/quality.hpp"
@@ -270,7 +271,7 @@ std::string joint_note(const mesh::SurfaceMesh& mesh) {
 
 }  // namespace
 
-std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
+std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh, Crossings crossings) {
   std::vector<std::string> notes = mesh.data().notes;
   if (const std::string text = joint_note(mesh); !text.empty()) notes.push_back(text);
   for (std::string& text : mesh::seam_notes(mesh)) notes.push_back(std::move(text));
@@ -293,6 +294,13 @@ std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
           "{} vertices lie on edges or triangles of another part of the sheet, as near {}: it is not joined "
           "there; if it should be, set mesh.merge = true",
           h.count, place_text(h.place)));
+  if (crossings == Crossings::noted && mesh.data().seams.empty() && !mesh.has_charts())
+    if (const auto pairs = geometry::crossing_triangles(mesh.data(), tolerance); !pairs.empty())
+      notes.push_back(
+          fmt::format("{} pairs of triangles pass through each other, as near {}: nothing joins or stops them there; "
+                      "if parts should be "
+                      "joined, set mesh.merge = true, or give them [contact]",
+                      pairs.size(), place_text(mesh.positions()[mesh.triangles()[pairs.front().first][0]])));
   return notes;
 }
 

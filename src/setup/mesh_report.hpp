@@ -47,8 +47,10 @@ struct MeshQuality {
 /// A mesh whose numbers look like millimetres beside materials in metres; empty if not, or if the case names its units.
 [[nodiscard]] std::string unit_warning(const input::Case& c, const mesh::SurfaceMesh& mesh);
 
+/// What of parts that pass through each other: contact sees them, or nothing does.
+enum class Crossings { seen, noted };
 /// What is legal but perhaps not meant: vertices that coincide, vertices that were merged.
-[[nodiscard]] std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh);
+[[nodiscard]] std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh, Crossings crossings);
 
 /// Triangles that bend by angles at edges. Not collective.
 [[nodiscard]] long angle_triangles(const energy::Sheet& sheet);

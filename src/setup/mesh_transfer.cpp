@@ -8,6 +8,7 @@
 #include "formats/mesh_file.hpp"
 #include "geometry/hanging_vertices.hpp"
 #include "geometry/tie.hpp"
+#include "geometry/tie_crossing.hpp"
 #include "mesh/coincident.hpp"
 #include "mesh/panels.hpp"
 #include "voile/errors.hpp"
@@ -114,13 +115,19 @@ void join_parts(mesh::MeshData& data, const formats::MeshOptions& options) {
   formats::renew_boundary(data);
   if (gone > 0) data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
   if (options.rest == formats::RestShape::texture) return;
-  if (geometry::find_hanging(data, tolerance, geometry::Beside::counted, rims).count > 0) {
-    const geometry::Tied tied = geometry::tie_parts(data, tolerance, std::move(rims));
+  const bool crosses = options.join_crossing && !geometry::crossing_triangles(data, tolerance).empty();
+  if (crosses || geometry::find_hanging(data, tolerance, geometry::Beside::counted, rims).count > 0) {
+    const geometry::Tied tied = geometry::tie_parts(data, tolerance, std::move(rims),
+                                                    crosses ? geometry::Crossing::joined : geometry::Crossing::left);
     formats::renew_boundary(data);
-    data.notes.push_back(
-        fmt::format("parts whose meshes do not match were tied: {} vertices moved onto others or onto edges, {} lie on "
-                    "edges or triangles of another part, and {} triangles were divided there",
-                    tied.moved, tied.vertices, tied.triangles));
+    if (tied.triangles > 0)
+      data.notes.push_back(fmt::format(
+          "parts whose meshes do not match were tied: {} vertices moved onto others or onto edges, {} lie on "
+          "edges or triangles of another part, and {} triangles were divided there",
+          tied.moved, tied.vertices, tied.triangles));
+    if (crosses)
+      data.notes.push_back(
+          "parts that pass through each other were joined there; if they should not be, move them apart");
   }
   note_gaps(data, tolerance);
 }

@@ -12,6 +12,7 @@
 
 #include "geometry/hanging_vertices.hpp"
 #include "geometry/tie.hpp"
+#include "geometry/tie_crossing.hpp"
 #include "geometry/triangle_division.hpp"
 #include "mesh/coincident.hpp"
 #include "voile/errors.hpp"
@@ -143,6 +144,78 @@ TEST_CASE("a web stands anywhere on a sheet") {
         }
         CHECK(foot == doctest::Approx(1.3).epsilon(1e-12));
       }
+}
+
+TEST_CASE("parts that pass through each other are joined along the line") {
+  for (const double angle : {0.0, 0.3, 0.8})
+    for (const double offset : {0.0, 0.013, 0.2})
+      for (const double jitter : {0.0, 0.25})
+        for (const int cells : {4, 9, 24}) {
+          CAPTURE(angle);
+          CAPTURE(offset);
+          CAPTURE(jitter);
+          CAPTURE(cells);
+          mesh::MeshData data;
+          add(data, "level", {-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 12, 12, jitter);
+          const Vec3 along(std::cos(angle), std::sin(angle), 0), aside(-along[1], along[0], 0);
+          add(data, "upright", Vec3(-0.5 * along + offset * aside) - Vec3(0, 0, 0.5), {0, 0, 1}, along, cells, cells,
+              jitter);
+          turn(data);
+          REQUIRE_FALSE(geometry::crossing_triangles(data, tolerance).empty());
+          tie(data);
+          CHECK(geometry::find_hanging(data, tolerance).count == 0);
+          CHECK(geometry::crossing_triangles(data, tolerance).empty());
+          CHECK(area(data, "level") == doctest::Approx(4.0).epsilon(1e-12));
+          CHECK(area(data, "upright") == doctest::Approx(1.0).epsilon(1e-12));
+          CHECK(smallest_angle(data) > 1.0);
+          const mesh::SurfaceMesh whole(data);
+          CHECK(whole.component_count() == 1);
+          double line = 0.0;
+          for (const mesh::Joint& j : whole.joints()) {
+            CHECK(j.sides.size() == 4);
+            line += (data.positions[j.edge[0]] - data.positions[j.edge[1]]).norm();
+          }
+          CHECK(line == doctest::Approx(1.0).epsilon(1e-12));
+        }
+}
+
+TEST_CASE("plates of an egg crate on a sheet are one") {
+  for (const int cells : {5, 8}) {
+    mesh::MeshData data;
+    add(data, "sheet", {-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 11, 11, 0.2);
+    for (const double at : {-0.41, 0.37}) {
+      add(data, "along", {-0.8, at, 0}, {0, 0, 0.4}, {1.6, 0, 0}, 3, cells);
+      add(data, "across", {at, -0.8, 0}, {0, 0, 0.4}, {0, 1.6, 0}, 3, cells + 2);
+    }
+    turn(data);
+    tie(data);
+    const mesh::SurfaceMesh whole(data);
+    CHECK(whole.component_count() == 1);
+    CHECK(geometry::find_hanging(data, tolerance).count == 0);
+    CHECK(geometry::crossing_triangles(data, tolerance).empty());
+    double feet = 0.0, lines = 0.0;
+    for (const mesh::Joint& j : whole.joints())
+      (j.sides.size() == 3 ? feet : lines) += (data.positions[j.edge[0]] - data.positions[j.edge[1]]).norm();
+    CHECK(feet == doctest::Approx(6.4).epsilon(1e-12));
+    CHECK(lines == doctest::Approx(1.6).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("a tube that lies on a sheet is not joined to it, and crossings are left where that is asked for") {
+  mesh::MeshData touching, crossing;
+  add(touching, "sheet", {-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 8, 8);
+  const std::size_t first = touching.positions.size();
+  add(touching, "roof", {0, -0.5, 0}, {0, 1, 0}, {0.3, 0, 0}, 4, 6);
+  for (std::size_t v = first; v < touching.positions.size(); ++v) {
+    Vec3& x = touching.positions[v];
+    x[0] -= 0.15;
+    x[2] = x[0] * x[0];
+  }
+  CHECK(geometry::crossing_triangles(touching, tolerance).empty());
+  add(crossing, "level", {-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 5, 5);
+  add(crossing, "upright", {-0.5, 0.1, -0.5}, {0, 0, 1}, {1, 0, 0}, 4, 4);
+  geometry::tie_parts(crossing, tolerance, {}, geometry::Crossing::left);
+  CHECK(mesh::SurfaceMesh(crossing).component_count() == 2);
 }
 
 TEST_CASE("ends of lines and corners stay where they are, whether curves name them or not") {
