@@ -51,7 +51,7 @@ class Tying {
     const auto first = static_cast<Index>(data_.positions.size());
     find_vertices();
     find_crossings();
-    if (crossing) crossing_ = crossing_triangles(data_, tolerance_);
+    if (crossing) crossing_ = crossing_triangles(data_, tolerance_, rim_);
     tied_.vertices += pierce(data_, crossing_, points_);
     find_new_vertices(first);
     points_.sort();

@@ -84,20 +84,34 @@ void each_piercing(const mesh::MeshData& data, const TrianglePair& pair, double 
 
 }  // namespace
 
-std::vector<TrianglePair> crossing_triangles(const mesh::MeshData& data, double tolerance) {
+std::vector<TrianglePair> crossing_triangles(const mesh::MeshData& data, double tolerance,
+                                             const std::vector<mesh::Segment>& rims) {
   const std::vector<TrianglePair> touching = intersecting_triangles(data.positions, data.triangles);
   if (touching.empty()) return {};
   const Stars stars(data);
+  const std::vector<mesh::Segment> all = all_rims(data, rims);
+  const auto at_rim = [&](Index triangle, const Vec3& place) {
+    const mesh::Triangle& t = data.triangles[triangle];
+    for (std::size_t s = 0; s < 3; ++s) {
+      const mesh::Segment side = mesh::ascending(t[s], t[(s + 1) % 3]);
+      if (distance_to_segment(place, data.positions[side[0]], data.positions[side[1]]) <= tolerance &&
+          std::binary_search(all.begin(), all.end(), side))
+        return true;
+    }
+    return false;
+  };
   std::vector<TrianglePair> crossing;
   for (const TrianglePair& pair : touching) {
     const Plane one = plane_of(corners_of(data, pair.first)), other = plane_of(corners_of(data, pair.second));
     if (!(one.normal.cross(other.normal).norm() > flat)) continue;
     bool pierced = false;
-    each_piercing(data, pair, tolerance, [&](const mesh::Segment&, Index, const Vec3&) { pierced = true; });
+    each_piercing(data, pair, tolerance, [&](const mesh::Segment&, Index triangle, const Vec3& place) {
+      pierced = pierced || !at_rim(triangle, place);
+    });
     each_corner(data, pair, [&](Index v, Index triangle) {
       const std::array<Vec3, 3> corners = corners_of(data, triangle);
       pierced = pierced || (distance_to_triangle(data.positions[v], corners) <= tolerance &&
-                            stars.straddles(v, plane_of(corners), tolerance));
+                            stars.straddles(v, plane_of(corners), tolerance) && !at_rim(triangle, data.positions[v]));
     });
     if (pierced) crossing.push_back(pair);
   }
@@ -137,7 +151,7 @@ Index move_to_crossings(mesh::MeshData& data, double tolerance, std::vector<mesh
   std::vector<Index> target(data.positions.size());
   std::iota(target.begin(), target.end(), Index{0});
   bool any = false;
-  for (const TrianglePair& pair : crossing_triangles(data, tolerance))
+  for (const TrianglePair& pair : crossing_triangles(data, tolerance, rims))
     each_corner(data, pair, [&](Index v, Index triangle) {
       for (const Index w : data.triangles[triangle])
         if ((data.positions[v] - data.positions[w]).norm() <= tolerance && target[v] == v && target[w] == w) {

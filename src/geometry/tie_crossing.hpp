@@ -12,8 +12,10 @@
 
 namespace voile::geometry {
 
-/// Pairs of triangles of which one pierces the other. Exact but for `tolerance` [m]. Not collective.
-[[nodiscard]] std::vector<TrianglePair> crossing_triangles(const mesh::MeshData& data, double tolerance);
+/// Pairs of triangles of which one pierces the other, but not only at its rim, as where a web stands on a sheet. `rims`: edges that
+/// count as rims besides. Exact but for `tolerance` [m]. Not collective.
+[[nodiscard]] std::vector<TrianglePair> crossing_triangles(const mesh::MeshData& data, double tolerance,
+                                                           const std::vector<mesh::Segment>& rims = {});
 
 /// Moves vertices near crossings onto them, and joins those of two parts that lie at one place there; `rims` follow. Returns how many
 /// moved.

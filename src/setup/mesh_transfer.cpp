@@ -115,7 +115,7 @@ void join_parts(mesh::MeshData& data, const formats::MeshOptions& options) {
   formats::renew_boundary(data);
   if (gone > 0) data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
   if (options.rest == formats::RestShape::texture) return;
-  const bool crosses = options.join_crossing && !geometry::crossing_triangles(data, tolerance).empty();
+  const bool crosses = options.join_crossing && !geometry::crossing_triangles(data, tolerance, rims).empty();
   if (crosses || geometry::find_hanging(data, tolerance, geometry::Beside::counted, rims).count > 0) {
     const geometry::Tied tied = geometry::tie_parts(data, tolerance, std::move(rims),
                                                     crosses ? geometry::Crossing::joined : geometry::Crossing::left);

@@ -68,7 +68,7 @@ def joint_tied(report):
     for ranks in (1, 2):
         beam = solve("joint_tied", case, ranks)
         report.percent(-beam.history["tip_z"][-1] / exact, 0.005, f"T beam on {ranks} ranks: deflection")
-    report.check("parts whose meshes do not match were tied" in beam.text, "the run says so")
+    report.check("parts whose meshes do not match were tied" in beam.text and "pass through" not in beam.text, "the run says so")
     points, cells, groups = [], [], []
     for name, inner, n in (("inner", 1.0, 48), ("outer", 1.5, 64)):
         first = len(points)

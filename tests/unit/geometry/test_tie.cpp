@@ -129,6 +129,7 @@ TEST_CASE("a web stands anywhere on a sheet") {
         const Vec3 along(std::cos(angle), std::sin(angle), 0);
         add(data, "web", -0.6 * along, {0, 0, 0.3}, 1.3 * along, 2, cells);
         turn(data);
+        CHECK(geometry::crossing_triangles(data, tolerance).empty());
         const geometry::Tied tied = tie(data);
         CHECK(tied.triangles > 0);
         CHECK(geometry::find_hanging(data, tolerance).count == 0);
