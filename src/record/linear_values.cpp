@@ -60,8 +60,16 @@ system::Energies LinearValues::energies() {
   }
   at.external += 0.5 * (up.external - down.external) / small_;  // that of dead loads
   // Of a curved rest shape the energy of so small a bending is lost in the round-off of the normals, that of all is not.
-  at.bending = before + work() - at.membrane - at.springs - at.external;
+  at.bending = before + work() + follower_work() - at.membrane - at.springs - at.external;
   return at;
+}
+
+double LinearValues::follower_work() {
+  const petsc::VecHandle f = model_.dofs().create_vector();
+  double sum = 0.0;
+  model_.follower_forces(rest_, f);
+  VOILE_PETSC(VecDot(f, u_, &sum));
+  return sum;
 }
 
 double LinearValues::work() {

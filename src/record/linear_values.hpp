@@ -3,7 +3,7 @@
 // Symbols   u   displacements [m];  e   a factor that makes them small against the cells
 //   f(0) + (f(e u) - f(-e u)) / 2e                                             forces, strains, resultants
 //   E(0) + (E(e u) - E(-e u)) / 2e + (E(e u) + E(-e u) - 2 E(0)) / 2e^2        energies, of second order; that of dead
-//   loads of first, that of bending from all together: W(0) + u.(f(0) + R)/2, R the reactions
+//   loads of first, that of bending from all together: W(0) + u.(f(0) + R)/2 + u.p, R the reactions, p follower loads at rest
 #pragma once
 
 #include "system/model.hpp"
@@ -29,6 +29,8 @@ class LinearValues {
  private:
   /// u.(f(0) + R) / 2 [J].
   [[nodiscard]] double work();
+  /// Of follower loads, which no energy counts [J].
+  [[nodiscard]] double follower_work();
 
   system::Model& model_;
   double small_ = 1.0;  ///< e

@@ -29,20 +29,19 @@ double end_of_epoch(const input::Case& stage, double start) {
 }
 
 template <class Holder>
-bool holds(const input::Case& stage, const Holder& s, double time) {
-  return stage.analysis != "dynamic" || s.release > time;
+bool holds(const Holder& s, double time) {
+  return s.release > time;
 }
 
-system::ModelInput holding(system::ModelInput input, const input::Case& stage, const std::vector<char>& frozen,
-                           double time) {
+system::ModelInput holding(system::ModelInput input, const std::vector<char>& frozen, double time) {
   for (std::size_t i = 0; i < input.supports.size(); ++i) {
     if (!frozen[i]) continue;
     system::Support& s = input.supports[i];
     s.motion = nullptr;
     if (s.rotation) s.rotation = [turned = s.rotation(time)](double) { return turned; };
   }
-  std::erase_if(input.supports, [&](const system::Support& s) { return !holds(stage, s, time); });
-  std::erase_if(input.attachments, [&](const system::Attachment& s) { return !holds(stage, s, time); });
+  std::erase_if(input.supports, [&](const system::Support& s) { return !holds(s, time); });
+  std::erase_if(input.attachments, [&](const system::Attachment& s) { return !holds(s, time); });
   return input;
 }
 
@@ -64,8 +63,8 @@ Epoch::Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& m
     : stage_(stage),
       end_(end_of_epoch(stage, start.time)),
       supports_(static_cast<std::size_t>(std::count_if(input.supports.begin(), input.supports.end(),
-                                                       [&](const auto& s) { return holds(stage, s, start.time); }))),
-      model_(comm, mesh, holding(std::move(input), stage, frozen, start.time)),
+                                                       [&](const auto& s) { return holds(s, start.time); }))),
+      model_(comm, mesh, holding(std::move(input), frozen, start.time)),
       state_(scatter(start, model_.dofs())) {
   if (stage.analysis == "dynamic" || stage.vibrates()) system::require_mass(model_);
   if (lets_go_at(stage, start.time)) state_.a.reset();
@@ -124,6 +123,10 @@ void Epoch::make_path(const record::Recorder& recorder, Origin origin) {
   using Control = solve::StaticOptions::Control;
   const solve::StaticOptions& steps = stage_.steps;
   const bool is_given = origin != Origin::nothing;
+  if (origin == Origin::restart && state_.in_equilibrium && !model_.contact()) {
+    model_.conditions().set_load_factor(state_.load_factor);
+    state_.in_equilibrium = solve::is_balanced(model_, state_.u);
+  }
   if (stage_.analysis == "linear") {
     stepper_ = std::make_unique<solve::LinearStep>(model_, steps.final_load_factor);
   } else if (stage_.analysis == "drape") {

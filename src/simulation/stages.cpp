@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "base/mpi.hpp"
 #include "base/text.hpp"
@@ -81,6 +82,15 @@ void hold_at_end(const input::Case& before, Stage& now) {
   if (before.analysis == "static") now.held_at = before.steps.final_load_factor;
 }
 
+/// A support that has moved in time before goes on so. What its `value` comes to under a history counts from there, as its motion does.
+void go_on(const input::Case& c, Support& s) {
+  const Vec3 value = std::exchange(s.value, Vec3::Zero());
+  if (!c.dynamics.load_history || value.isZero(0.0) || s.x_axis || s.y_axis || s.cylinder_axis) return;
+  s.motion = [motion = s.motion, value, history = c.dynamics.load_history](const Vec3& rest, double time) -> Vec3 {
+    return history(time) * value + (motion ? motion(rest, time) : Vec3(Vec3::Zero()));
+  };
+}
+
 /// A support that has held in the stage before.
 void hold_over(const input::Case& before, const Support& was, Support& now) {
   now.value = Vec3::Zero();
@@ -102,11 +112,17 @@ bool holds_slopes(const input::Case& before, const Support& s) {
 void hold_over_supports(const Stage& before, Stage& now) {
   const std::vector<std::size_t>& numbers = now.c.stage.supports;
   now.frozen.assign(numbers.size(), 0);
+  now.in_time.assign(numbers.size(), now.c.analysis == "dynamic" ? 1 : 0);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     Support& s = now.c.supports[i];
     const std::size_t was = place_of(numbers[i], before.c.stage.supports);
     if (was != npos) {
-      hold_over(before.c, before.c.supports[was], s);
+      const bool moved = before.in_time[was] != 0;
+      now.in_time[i] = moved || (now.c.analysis == "dynamic" && before.c.analysis != "static") ? 1 : 0;
+      if (moved && now.c.analysis == "dynamic")
+        go_on(now.c, s);
+      else
+        hold_over(before.c, before.c.supports[was], s);
       if (before.c.supports[was].rotation) hold_at_end(before.c, now);
       now.frozen[i] = now.c.analysis == "static" ? 1 : 0;
     } else if ((s.kind == Support::Kind::clamped || s.kind == Support::Kind::sliding ||
@@ -122,6 +138,7 @@ void hold_over_supports(const Stage& before, Stage& now) {
 
 /// What a stage has scaled its loads by at its end.
 double factor_at_end(const input::Case& c) {
+  if (c.analysis == "dynamic" && c.dynamics.load_history) return c.dynamics.load_history(c.time.options.end_time);
   return c.analysis == "dynamic" || c.analysis == "drape" ? 1.0 : c.steps.final_load_factor;
 }
 
@@ -160,7 +177,9 @@ void hold_over_loads(const Stage& before, Stage& now) {
 
 /// Holds what grew in the stage before, with what it had been held at before that.
 void hold(const Stage& before, const Field& old, bool was_constant, Stage& now, Field& f, bool& constant) {
-  if (!f.value || (old.in_time && before.c.analysis == "dynamic" && now.c.analysis == "dynamic")) return;
+  const bool was_in_time = old.resumes || (old.in_time && before.c.analysis == "dynamic");
+  if (!f.value || (was_in_time && now.c.analysis == "dynamic")) return;
+  f.resumes = was_in_time;
   const bool grows = now.c.analysis == "static" || now.c.finds_modes();
   if (old.in_time) {
     const double end =
@@ -237,6 +256,7 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
   const auto add = [&](const input::Case& one, const std::filesystem::path& folder) {
     Stage s{one, options, {}, std::vector<char>(one.supports.size(), 0)};
     s.options.output = folder;
+    s.in_time.assign(one.supports.size(), one.analysis == "dynamic" ? 1 : 0);
     name_modes(options, s.c);
     take_options(options.comm, s.c);
     if (one.stage.continues()) {

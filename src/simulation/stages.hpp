@@ -17,6 +17,7 @@ struct Stage {
   record::RunOptions options;  ///< with the folder of the stage
   system::ModelInput input;
   std::vector<char> frozen;                ///< per support: in this stage it no longer moves
+  std::vector<char> in_time{};             ///< per support: it moves in time, or has done so before
   std::vector<std::string> sewn_before{};  ///< seams that earlier stages have closed
   std::optional<double> held_at{};  ///< load factor of the path before at which something is held; absent: nothing is
 };

@@ -252,6 +252,11 @@ bool can_count(EPS eps, const system::Model& model, EPSWhich which, double targe
   return model.conditions().symmetric() && model.tangent().change().empty() && now == which && at == target;
 }
 
+long free_unknowns(const system::Model& model) {
+  const auto fixed = static_cast<long>(model.dofs().fixed().size());
+  return static_cast<long>(model.dofs().unknowns()) - mpi::sum(model.dofs().comm(), fixed);
+}
+
 /// The modes nearest to `target`, ascending, and how many are below it.
 EigenResult modes_from(const system::Model& model, Mat mass, int count, double target, long& below) {
   EigenResult result;
@@ -262,7 +267,9 @@ EigenResult modes_from(const system::Model& model, Mat mass, int count, double t
   VOILE_PETSC(EPSSetTarget(eps, target));
   VOILE_PETSC(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
   read_eigen_options(eps);
-  result.asked_for = wanted(eps);
+  const long free = free_unknowns(model);
+  if (free == 0) throw UserError("no vertex is free to vibrate; see [[support]]");
+  result.asked_for = static_cast<int>(std::min<long>(wanted(eps), free));
   GasSolution gas{model, {}};
   if (!model.tangent().change().empty()) {
     KSP ksp = nullptr;
@@ -373,26 +380,6 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   keep_positive();
   for (Mode& mode : result.modes) mode.value = model.conditions().load_factor() + 1.0 / mode.eigenvalue;
   return result;
-}
-
-std::vector<Participation> participation(const std::vector<Mode>& modes, Mat mass,
-                                         const system::RigidInertia& inertia) {
-  std::vector<Participation> all;
-  petsc::VecHandle work;
-  VOILE_PETSC(VecDuplicate(inertia.force[0], work.out()));
-  for (const Mode& mode : modes) {
-    Participation p;
-    VOILE_PETSC(MatMult(mass, mode.shape, work));
-    VOILE_PETSC(VecDot(mode.shape, work, &p.mass));
-    for (std::size_t k = 0; k < p.factor.size(); ++k) {
-      double product = std::nan("");
-      if (inertia.force[k]) VOILE_PETSC(VecDot(mode.shape, inertia.force[k], &product));
-      p.factor[k] = product / p.mass;
-      p.effective[k] = product * product / p.mass;
-    }
-    all.push_back(p);
-  }
-  return all;
 }
 
 }  // namespace voile::solve

@@ -127,6 +127,18 @@ StepResult find_equilibrium(system::Model& model, system::State& state) {
   return r;
 }
 
+bool is_balanced(system::Model& model, Vec u) {
+  constexpr double unbalanced = 1e-6;  // of the forces: runs end well below, cases that differ are beyond
+  const petsc::VecHandle a = model.dofs().create_vector(), residual = model.dofs().create_vector();
+  VOILE_PETSC(VecCopy(u, a));
+  model.conditions().enforce(a);
+  double size = 0.0;
+  model.residual(a, residual);
+  model.dofs().clear_fixed(residual);
+  VOILE_PETSC(VecNorm(residual, NORM_2, &size));
+  return size <= unbalanced * model.force_scale();
+}
+
 StepResult regain_equilibrium(system::Model& model, system::State& state) {
   model.conditions().set_load_factor(state.load_factor);
   const petsc::VecHandle start = model.dofs().create_vector();

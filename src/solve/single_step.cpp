@@ -1,6 +1,7 @@
 #include "single_step.hpp"
 
 #include "load_path.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 
@@ -21,6 +22,14 @@ StepResult result_of(const NewtonResult& n) {
 
 StepResult LinearStep::begin(system::State& state) {
   model_.conditions().set_load_factor(state.load_factor);
+  constexpr double most = 1e-6;  // round-off is less
+  if (model_.potential().unbalanced_membrane(state.u) > most)
+    throw UserError(
+        "analysis = \"linear\": an initial strain, a prestress or a constant temperature would move the sheet before "
+        "any "
+        "load acts, and stresses that then go would stiffen or soften it; use analysis = \"static\", hold the sheet, "
+        "or let "
+        "the temperature grow with the load factor (constant = false)");
   return {};
 }
 

@@ -85,6 +85,8 @@ class BoundaryConditions {
 
   /// Overwrites f with the applied forces. `scratch` has one entry per local point. Collective. [N]
   void applied_forces(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
+  /// Adds the gradient that follower loads stand for, which is less their forces. Collective. [N]
+  void add_followers(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
   /// Work potential of the loads that are not followers, -f.u, and energy of gases. Collective. [J]
   [[nodiscard]] double potential(const energy::Configuration& c, Vec a) const;
   /// Adds the blocks of follower loads and gases to the open values of a tangent; `change` becomes what gases add besides.
@@ -114,7 +116,6 @@ class BoundaryConditions {
   void add_vertex_force(Index v, const Vec3& f, const petsc::WriteArray& force) const;
   void add_differences(const std::vector<PeriodicPair>& periodic);
   [[nodiscard]] int factor_of(const Load& load) const;
-  void add_followers(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
   void move_supports(double time);
 
   /// Of the loads on rigid bodies, all but moments.

@@ -104,6 +104,7 @@ struct Field {
   std::string text;  ///< as it was written; empty: none
   std::function<double(const Vec3& start, double time)> value;
   bool in_time = false;  ///< it is an expression of the time
+  bool resumes = false;  ///< it is held at a time, and goes on with the next motion
 };
 
 /// Change of the temperature from that at which the sheet has its rest shape [K].

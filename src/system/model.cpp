@@ -73,6 +73,12 @@ void Model::unbalanced_force(Vec a, Vec f) {
   VOILE_PETSC(VecAXPY(f, -1.0, work_));
 }
 
+void Model::follower_forces(Vec a, Vec f) {
+  VOILE_PETSC(VecZeroEntries(f));
+  conditions_->add_followers(potential_->configuration(a), force_, f);
+  VOILE_PETSC(VecScale(f, -1.0));
+}
+
 void Model::residual(Vec a, Vec r) {
   const petsc::EventScope scope(petsc::events().residual);
   unbalanced_force(a, r);

@@ -81,6 +81,8 @@ class Model {
   void residual(Vec a, Vec r);
   /// Internal minus applied forces on every component, fixed ones included: there it is the reaction. Collective.
   void unbalanced_force(Vec a, Vec f);
+  /// Overwrites f with the forces of follower loads in state a. Collective. [N]
+  void follower_forces(Vec a, Vec f);
   /// Norm of the largest of applied forces, reactions, forces of natural states and of contact at the last residual: what a
   /// residual is small against. [N]
   [[nodiscard]] double force_scale() const { return force_scale_; }

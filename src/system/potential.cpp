@@ -97,6 +97,18 @@ double Potential::natural_force() const {
   return natural_ ? std::sqrt(mpi::sum(on_->comm(), natural_->squared_force())) : 0.0;
 }
 
+double Potential::unbalanced_membrane(Vec a) {
+  const double scale = natural_force();
+  if (!(scale > 0.0)) return 0.0;
+  double size = 0.0;
+  const energy::Configuration c = configuration(a);
+  VOILE_PETSC(VecZeroEntries(work_));
+  add_term_forces(*membrane_, c, work_);
+  on_->dofs().clear_fixed(work_);
+  VOILE_PETSC(VecNorm(work_, NORM_2, &size));
+  return size / scale;
+}
+
 double Potential::natural_growth() const {
   return mpi::max(on_->comm(), natural_ ? natural_->growth() : 0.0);
 }

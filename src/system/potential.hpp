@@ -91,6 +91,8 @@ class Potential {
   [[nodiscard]] double natural_growth() const;
   /// Size of the nodal forces that hold the rest shape against its natural states; 0 where they are the same. Collective. [N]
   [[nodiscard]] double natural_force() const;
+  /// Forces of membranes in state a that supports do not take, over natural_force(); 0 without natural states. Collective.
+  [[nodiscard]] double unbalanced_membrane(Vec a);
   /// Adds -dF/dlambda at a, by the growth of natural states with the load factor, to f. Collective. [N]
   void add_load_direction(Vec a, Vec f);
   /// What fraction of the way from Discretisation::patches_before() to the sheet's rest shape gathers have gone; 1: all, or

@@ -94,6 +94,13 @@ def linear_values(report):
     static = solve("linear_values_static", small).summary
     for estimate in ("membrane_error", "recovery_error"):
         report.percent(result.summary[estimate] / static[estimate], 0.02, f"{name}: {estimate} {static[estimate]:.2e} as of a small load")
+    energy = {"probe": [{"name": "energy", "type": "energy"}]}
+    dead, follower = (solve("linear_follower", strip("linear", nx=10, load=[{"type": kind, "magnitude": 1e-3}]) | energy).history["energy_bending"][-1]
+                      for kind in ("pressure", "follower_pressure"))
+    report.near(follower / dead, 1.0, 0.01, "energy of bending under a follower pressure over that of a dead one")
+    moment = strip("linear", nx=10, load=[{"type": "follower_moment", "group": "tip", "magnitude": 0.1}]) | energy
+    # m^2 L/(2 D), but for half a cell at the loaded edge, where moments are one-sided.
+    report.percent(solve("linear_moment", moment).history["energy_bending"][-1] / (0.1**2 * 10 / (2 * 1.2e6 * 0.1**3 / 12)), 0.06, "energy of bending under a moment at the edge")
 
 
 @test

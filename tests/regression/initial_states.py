@@ -350,6 +350,24 @@ def linear_without_stress(report):
 
 
 @test
+def linear_under_stress(report):
+    """Stresses that the sheet would give way to are no start of a linear analysis; those that supports hold are."""
+    held = lambda group, axes: {"type": "displacement", "group": group, "components": axes}  # noqa: E731
+    for material, temperature in (({"initial_strain": [4e-4, 4e-4]}, []), ({"prestress": [3.0, 0.0], "direction": [1, 0, 0]}, []), ({}, [{"change": "-40", "constant": True}])):
+        case = strip("linear", nx=8, load=[{"type": "line", "group": "tip", "vector": [0, 0, 1e-3]}], temperature=temperature)
+        case["material"][0] |= {"expansion": 1e-5} | material
+        done = run(write_case(case, OUT / "linear_stressed.toml"), OUT / "linear_stressed")
+        report.check(done.code == 2 and "would move the sheet" in done.text, f"{material or temperature}: code {done.code}: {done.text.strip()[-200:]}")
+        whole = case | {"analysis": "static"}
+        soft = solve("linear_stressed_static", whole).history["tip_z"][-1]
+        report.percent(soft / solve("linear_stressless", strip("linear", nx=8, load=case["load"])).history["tip_z"][-1], 0.01, "static finds the sheet without stress")
+    taut = strip("linear", nx=8, load=[{"type": "pressure", "magnitude": 1e-3}])
+    taut["material"][0] |= {"prestress": [1e4, 0.0], "direction": [1, 0, 0]}
+    taut["support"].append(held("tip", ["x", "y", "z"]))
+    report.check(solve("linear_taut", taut).code == 0, "prestress between supports")
+
+
+@test
 def hydrostatic_pressure(report):
     """A wall clamped at its foot under water: reaction rho g b^2 / 2 per width, moment by the deflection rho g b^5 / (30 D)."""
     length, weight = 10.0, 1e-4

@@ -271,3 +271,49 @@ def stages_mistakes(report):
                            (["--from", "swing", "--restart", folder / "swing" / "checkpoint.h5"], "overwrite its own input")):
         result = run(file, folder, 1, options)
         report.check(result.code == 2 and words in result.text, f"code {result.code}: {words}")
+
+
+def column(result, name, part=None):
+    return (end_of(result, part) if part else result).history[name][-1]
+
+
+@test
+def changed_restart(report):
+    """What acts in a static or modal restart is in equilibrium, also where the load factor does not grow; an unchanged one takes no step."""
+    line = lambda f: [{"type": "line", "group": "tip", "vector": [0, 0, f]}]  # noqa: E731
+    half, whole = strip("static", time=None, load=line(0.5)), strip("static", time=None, load=line(1.0))
+    first, right = solve("changed_first", half), solve("changed_right", whole)
+    again = lambda case, file: run(write_case(case, OUT / "changed_again.toml"), fresh("changed_again"), 1, ["--restart", first.folder / file])  # noqa: E731
+    for file in ("checkpoint.h5", "results.vtkhdf"):
+        report.near(again(whole, file).history["tip_z"][-1] / right.history["tip_z"][-1], 1.0, 1e-6, f"twice the load, from {file}")
+    spring = half | {"spring": [{"type": "point", "group": "tip", "stiffness": 0.5}]}
+    report.near(again(spring, "checkpoint.h5").history["tip_z"][-1] / solve("changed_spring", spring).history["tip_z"][-1], 1.0, 1e-6, "a spring more")
+    same = again(half, "checkpoint.h5")
+    report.check(np.array_equal(same.displacement(), first.displacement()), "an unchanged case leaves every bit")
+    modal = whole | {"analysis": "modal", "eigen": {"modes": 1}}
+    alone = solve("changed_alone", modal | {"eigen": {"modes": 1, "load_factor": 1.0}})
+    report.near(again(modal, "checkpoint.h5").summary["eigenvalues"][0] / alone.summary["eigenvalues"][0], 1.0, 1e-6, "modes under the load of the case")
+
+
+@test
+def clocks(report):
+    """Histories, motions, temperatures and releases go on through stages of every kind."""
+    held = {"type": "displacement", "group": "tip", "components": ["z"]}
+    move = lambda name, end, **more: stage(name, "dynamic", time={"end": end, "step": 0.01} | more)  # noqa: E731
+    damping = {"damping": {"mass": 5.0}}
+    # A load under a history stays at what that has come to.
+    half = staged([move("s1", 0.1, load_history="0.5"), stage("s2", "static")])
+    report.near(column(solve("clocks_load", half), "tip_z", "s2") / column(solve("clocks_half", strip("static", time=None, steps={"final_load_factor": 0.5})), "tip_z"),
+                1.0, 1e-6, "a load after a motion with load_history 0.5")
+    value = staged([move("s1", 0.1, load_history="table(t, 0, 0, 0.2, 1)"), move("s2", 0.2, load_history="table(t, 0, 0, 0.2, 1)")], load=[]) | damping
+    value["support"] = [*value["support"], held | {"value": [0, 0, 0.1]}]
+    report.near(column(solve("clocks_value", value), "tip_z", "s2"), 0.1, 1e-9, "a value under load_history over two motions")
+    for between in ("static", "drape", "modal"):
+        moved = staged([move("s1", 0.1), stage("between", between), move("s2", 0.3)], load=[]) | damping
+        moved["support"] = [*moved["support"], held | {"motion": ["0", "0", "0.2*t"]}]
+        report.near(column(solve("clocks_motion", moved), "tip_z", "s2"), 0.06, 1e-9, f"a motion goes on after {between}")
+    free = column(solve("clocks_free", strip("static", time=None)), "tip_z")
+    for last in ("static", "drape"):
+        released = staged([move("s1", 0.1), stage("s2", last)]) | damping
+        released["support"] = [*released["support"], held | {"release": 0.05}]
+        report.near(column(solve("clocks_release", released), "tip_z", "s2") / free, 1.0, 1e-5, f"a support that has let go holds nothing in {last}")

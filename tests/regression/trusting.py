@@ -134,6 +134,9 @@ def mode_options(report):
         report.check(done.code == 2 and word in done.text, f"{options}: code {done.code}, {done.text.strip()[-160:]}")
     done = run(case, fresh("modes_other"), 1, ["-eps_max_it", "1", "-eps_ncv", "5", "-eps_type", "power"], 120)
     report.check(done.code == 3 and "0 of 3 modes found" in done.text, f"no mode: code {done.code}")
+    held = write_case(strip("modal", nx=4, ny=1, load=[], support=[{"type": "hinged", "group": "plate"}]), OUT / "modes_held.toml")
+    done = run(held, fresh("modes_other"), 1, [], 120)
+    report.check(done.code == 2 and "no vertex is free" in done.text, f"nothing can vibrate: code {done.code}")
     lowest = run(case, fresh("modes_other"), 1, [], 120).summary["eigenvalues"]
     done = run(case, fresh("modes_other"), 1, ["-eps_target", f"{(2 * math.pi * lowest[2])**2:.6g}", "-eps_nev", "1"], 120)
     report.check(done.code == 0 and "2 mode(s) lie below" in done.text, f"a target: code {done.code}")
