@@ -332,6 +332,8 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load &&
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
+  if (c.finds_modes() && c.steps.final_displacement != 0.0)
+    steps.fail("final_displacement", "modes are found where the load factor is eigen.load_factor; leave the key out");
   read_all(reader, "rigid", c.rigids, [&](const SectionPlace& place, RigidSection& s) { read_rigid(place, c, s); });
   read_periodics(reader, c);
   read_harmonic(reader, c);

@@ -21,7 +21,7 @@ const std::vector<Readers>& readers() {
                                          {"air", {"dynamic"}},
                                          {"damping", {"dynamic", "harmonic"}},
                                          {"drape", {"drape"}},
-                                         {"steps", {"static", "linear", "modal", "buckling", "harmonic", "drape"}},
+                                         {"steps", {"static", "linear", "modal", "buckling", "harmonic"}},
                                          {"eigen", {"modal", "buckling", "harmonic"}},
                                          {"harmonic", {"harmonic"}}};
   return list;

@@ -111,6 +111,20 @@ bool holds(const std::string& file, const std::string& section, toml::table& ite
   return found;
 }
 
+/// Throws UserError for initial velocities that are only for a stage which goes on from a motion: it has velocities.
+void refuse_late_velocities(const std::string& file, toml::table& root, const std::string& stage) {
+  toml::array* items = root["initial_velocity"].as_array();
+  for (std::size_t i = 0; items && i < items->size(); ++i) {
+    const toml::node* given = items->get(i)->as_table()->get("stages");
+    const toml::array* list = given ? given->as_array() : nullptr;
+    if (list && list->size() == 1 && list->get(0)->value<std::string>() == stage)
+      fail_at(file, line_of(given->source()),
+              fmt::format("initial_velocity.stages: stage '{}' continues a motion, with its velocities; name the first "
+                          "motion, or push by a [[load]] with a history",
+                          stage));
+  }
+}
+
 /// Takes away what does not hold in a stage; returns the numbers of what is left.
 std::vector<std::size_t> select_items(const std::string& file, const std::string& section, toml::table& root,
                                       const std::string& stage, const std::vector<std::string>& names) {
@@ -149,6 +163,9 @@ StageSection CaseReader::select_stage(std::size_t n) {
   if (s.analysis == "linear" && n > 0)
     fail_at(file, line_of(analysis->source()),
             "analysis = \"linear\" starts from the unloaded state; make it the first stage, or choose \"static\"");
+  if (n > 0 && s.analysis == "dynamic" &&
+      (*root["stage"].as_array()->get(n - 1)->as_table())["analysis"].value<std::string>() == "dynamic")
+    refuse_late_velocities(file, root, s.name);
   take_sew(file, stage, s);
   take_tables(file, stage, root);
   root.insert_or_assign("analysis", s.analysis);

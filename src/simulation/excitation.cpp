@@ -56,7 +56,50 @@ Excitation excitation_of(const input::Case& c, system::Model& model, Vec a, cons
   return e;
 }
 
+namespace {
+
+/// Whether an expression of t is a straight line from a little before `at` to `at` + 1 at a place, and changes at all.
+struct Course {
+  bool straight = true, changes = false;
+};
+Course course_of(const system::Field& f, const Vec3& x, double at) {
+  constexpr double step = 1e-3, alike = 1e-6;
+  const double here = f.value(x, at), before = (here - f.value(x, at - step)) / step,
+               after = (f.value(x, at + step) - here) / step, far = f.value(x, at + 1.0) - here,
+               scale = std::max({std::abs(before), std::abs(after), std::abs(far)});
+  const double round_off = alike * (scale + std::abs(here));
+  return {std::abs(before - after) <= round_off && std::abs(far - after) <= round_off, scale > round_off};
+}
+
+}  // namespace
+
+void require_straight(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  const bool harmonic = c.analysis == "harmonic" && c.harmonic.excitation == Section::Excitation::loads;
+  if (!harmonic && c.analysis != "buckling") return;
+  const auto check = [&](const system::Field& f, const char* key) {
+    if (!f.in_time || !f.value) return;
+    Course all;
+    for (const Vec3& x : mesh.positions()) {
+      const Course one = course_of(f, x, c.eigen.load_factor);
+      all = {all.straight && one.straight, all.changes || one.changes};
+    }
+    if (all.straight && all.changes) return;
+    throw UserError(
+        fmt::format("{}: {} = \"{}\": analysis = \"{}\" takes by how much it grows with the load factor at "
+                    "eigen.load_factor = {:g}, where it "
+                    "{}; give a number, or a multiple of t",
+                    c.file.string(), key, f.text, c.analysis, c.eigen.load_factor,
+                    all.straight ? "does not change with t" : "is no straight line of t"));
+  };
+  for (const system::Temperature& t : c.temperatures) {
+    check(t.change, "temperature.change");
+    check(t.difference, "temperature.difference");
+  }
+  for (const system::Hinge& h : c.hinges) check(h.angle, "hinge.angle");
+}
+
 void require_excitation(const input::Case& c, const system::Model& model) {
+  require_straight(c, model.dofs().mesh());
   if (c.analysis != "harmonic") return;
   const std::string file = c.file.string();
   if (c.harmonic.excitation == Section::Excitation::loads) {

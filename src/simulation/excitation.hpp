@@ -18,7 +18,10 @@ struct Excitation {
 /// About the state `a`. Collective. Throws UserError where no load acts.
 [[nodiscard]] Excitation excitation_of(const input::Case& c, system::Model& model, Vec a,
                                        const system::RigidInertia& inertia);
-/// Throws UserError for supports that move by themselves, and a base that cannot move the sheet, if the analysis is one of
+/// Throws UserError for temperatures and folds that are no straight line of t where buckling and vibrations take their growth. Not
+/// collective.
+void require_straight(const input::Case& c, const mesh::SurfaceMesh& mesh);
+/// The same, and throws UserError for supports that move by themselves, and a base that cannot move the sheet, if the analysis is one of
 /// frequencies. Not collective.
 void require_excitation(const input::Case& c, const system::Model& model);
 

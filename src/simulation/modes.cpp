@@ -229,6 +229,7 @@ std::vector<char> rigid_modes(const input::Case& c, const system::Model& model, 
 void run_modes(const input::Case& c, const record::RunOptions& options, system::Model& model, Vec a,
                record::Summary& summary) {
   if (!c.vibrates()) {
+    require_straight(c, model.dofs().mesh());
     solve::Newton newton(model);
     return report_modes(c, options, model, a, solve::buckling_modes(newton, model, a, c.eigen.modes), {}, summary);
   }

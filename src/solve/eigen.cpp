@@ -355,8 +355,9 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   const bool grows = size > 0.0 || model.potential().natural_growth() > 0.0;
   if (!grows || !std::isfinite(size))
     throw UserError(
-        "analysis = \"buckling\" needs a load or a temperature that grows with the load factor, which those of earlier "
-        "stages do not, and supports that stop all rigid motions");
+        "analysis = \"buckling\" needs a load or a temperature that grows with the load factor, which constant ones "
+        "and "
+        "those of earlier stages do not, and supports that stop all rigid motions");
   if (linear.negative_pivots() > 0)
     throw UserError("the equilibrium is unstable already; choose a lower [eigen] load_factor");
   const petsc::MatHandle change = load_stiffness(model, a, load_solution);

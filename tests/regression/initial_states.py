@@ -423,3 +423,21 @@ def initial_mistakes(report):
             {"type": "modes", "results": str(modes.folder), "modes": [mode], "amplitudes": [1e-3]}]}
         done = run(write_case(case, OUT / "mistake_mode.toml"), fresh("mistake_mode"))
         report.check(done.code == 2 and words in done.text, f"mode {mode} on {cells} cells: code {done.code}, {done.text.strip()[-250:]}")
+
+
+@test
+def expressions_of_growth(report):
+    """Buckling and vibrations take how temperatures grow with the load factor: a straight line of t is that of its number; others are refused."""
+    column = {"analysis": "buckling", "eigen": {"modes": 1}, "load": []}
+    load = {}
+    for change in ("1", "t", "1*t + 0", "table(t, 0, 0, 10, 10)", "max(0, t)", "1 + 0*t", "t*t"):
+        case = strip("buckling", nx=10, load=[], eigen={"modes": 1}, temperature=[{"change": change}])
+        case["material"][0] |= {"expansion": 1e-5}
+        case["support"].append({"type": "displacement", "group": "tip", "components": ["x"]})
+        done = run(write_case(case | column, OUT / "growth.toml"), OUT / "growth")
+        straight = change in ("1", "t", "1*t + 0")
+        report.check(done.code == (0 if straight else 2) and (straight or "temperature.change" in done.text), f"{change}: code {done.code}{'' if straight else ': ' + done.text.strip()[-160:]}")
+        if straight:
+            load[change] = done.summary["eigenvalues"][0]
+    report.near(load["t"] / load["1"], 1.0, 1e-6, "a multiple of t is its number")
+    report.near(load["1*t + 0"] / load["1"], 1.0, 1e-6, "so is its sum with a constant of zero")

@@ -317,3 +317,9 @@ def clocks(report):
         released = staged([move("s1", 0.1), stage("s2", last)]) | damping
         released["support"] = [*released["support"], held | {"release": 0.05}]
         report.near(column(solve("clocks_release", released), "tip_z", "s2") / free, 1.0, 1e-5, f"a support that has let go holds nothing in {last}")
+    late = staged([move("s1", 0.05), move("s2", 0.1)], initial_velocity=[{"velocity": [0, 0, 1.0], "stages": ["s2"]}])
+    code, text = invoke(["check", write_case(late, OUT / "clocks_late.toml")])
+    report.check(code == 2 and "initial_velocity.stages: stage 's2' continues a motion" in text, f"initial velocities of a later motion: code {code}: {text.strip()[-200:]}")
+    ends = strip("modal", time=None, eigen={"modes": 1, "load_factor": 1.0}, steps={"control": "displacement", "control_probe": "tip_z", "final_displacement": 0.1})
+    code, text = invoke(["check", write_case(ends, OUT / "clocks_ends.toml")])
+    report.check(code == 2 and "steps.final_displacement" in text, f"modes where a displacement ends: code {code}: {text.strip()[-200:]}")
