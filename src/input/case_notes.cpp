@@ -44,13 +44,6 @@ std::vector<std::string> material_notes(const Case& c) {
                         "softest; give "
                         "its `initial_strain`, or a [[stage]] with a static analysis before",
                         c.analysis, name_of(m)));
-  constexpr double small_strain = 0.005;
-  for (const energy::Material& m : c.materials)
-    if (const double e = m.initial_strain.cwiseAbs().maxCoeff(); c.analysis == "linear" && e > small_strain)
-      notes.push_back(fmt::format(
-          "analysis = \"linear\": where {} can move, its initial strain of {:.2g} % gives displacements that "
-          "are off by about as many per cent; use analysis = \"static\"",
-          name_of(m), 100.0 * e));
   for (const energy::Material& m : c.materials)
     if (const std::string note = m.rubber.any() ? ellipticity_note(m.rubber) : ""; !note.empty())
       notes.push_back(

@@ -133,7 +133,9 @@ void Epoch::make_path(const record::Recorder& recorder, Origin origin) {
     stepper_ = std::make_unique<solve::Drape>(model_, stage_.drape);
   } else if (stage_.finds_modes() && stage_.eigen.load_factor == 0.0) {
     const auto is_constant = [](const auto& acting) { return acting.constant; };
+    const auto has_history = [&](const system::Load& load) { return stage_.is_staged() && load.history; };
     const bool constant = std::any_of(stage_.loads.begin(), stage_.loads.end(), is_constant) ||
+                          std::any_of(stage_.loads.begin(), stage_.loads.end(), has_history) ||
                           std::any_of(stage_.temperatures.begin(), stage_.temperatures.end(), is_constant) ||
                           std::any_of(stage_.hinges.begin(), stage_.hinges.end(), is_constant) ||
                           std::any_of(stage_.materials.begin(), stage_.materials.end(), energy::has_initial_state);

@@ -268,6 +268,13 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
       hold_over_temperatures(stages.back(), s);
       hold_over_hinges(stages.back(), s);
     }
+    if (!one.stage.attachments.empty() && one.attachments.empty()) {
+      const std::string text =
+          fmt::format("stage '{}': [[attachment]] holds nothing where there is no contact, with analysis = \"{}\"",
+                      one.stage.name, one.analysis);
+      s.c.notes.push_back(text);
+      if (!stages.empty()) stages.front().c.notes.push_back(text);
+    }
     s.input = setup::model_input(options.comm, s.c, known);
     if (one.stage.continues()) {
       const Stage& before = stages.back();

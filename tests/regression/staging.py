@@ -317,6 +317,11 @@ def clocks(report):
         released = staged([move("s1", 0.1), stage("s2", last)]) | damping
         released["support"] = [*released["support"], held | {"release": 0.05}]
         report.near(column(solve("clocks_release", released), "tip_z", "s2") / free, 1.0, 1e-5, f"a support that has let go holds nothing in {last}")
+    pulled = [{"type": "line", "group": "tip", "vector": [2000.0, 0, 0]}]
+    first = staged([stage("ring", "modal", eigen={"modes": 1})], load=[pulled[0] | {"history": "1"}])
+    constant = strip("modal", time=None, eigen={"modes": 1}, load=[pulled[0] | {"constant": True}])
+    report.near(solve("clocks_first", first).summary["stages"][0]["eigenvalues"][0] / solve("clocks_constant", constant).summary["eigenvalues"][0], 1.0, 1e-6,
+                "modes of a first stage under a load with a history")
     late = staged([move("s1", 0.05), move("s2", 0.1)], initial_velocity=[{"velocity": [0, 0, 1.0], "stages": ["s2"]}])
     code, text = invoke(["check", write_case(late, OUT / "clocks_late.toml")])
     report.check(code == 2 and "initial_velocity.stages: stage 's2' continues a motion" in text, f"initial velocities of a later motion: code {code}: {text.strip()[-200:]}")
