@@ -7,6 +7,7 @@
 
 #include "base/mpi.hpp"
 #include "contact_start.hpp"
+#include "excitation.hpp"
 #include "record/probes.hpp"
 #include "record/report.hpp"
 #include "remesher.hpp"
@@ -66,6 +67,7 @@ CaseRun::CaseRun(const input::Case& c, const record::RunOptions& options)
       for (contact::Obstacle& o : stage.input.contact.obstacles) options_.obstacles->take(o);
   origin_ = begin_from(case_, options_, stages_);
   meshes_ = stage_meshes(stages_, first);
+  require_straight(stages_.front().c, *first);
   for (std::size_t k = 1; k < stages_.size(); ++k) check_stage(stages_[k], *meshes_[k]);
   if (stages_.front().c.stage.takes_modes) {
     use_modes(0);

@@ -21,7 +21,7 @@ struct Excitation {
 /// Throws UserError for temperatures and folds that are no straight line of t where buckling and vibrations take their growth. Not
 /// collective.
 void require_straight(const input::Case& c, const mesh::SurfaceMesh& mesh);
-/// The same, and throws UserError for supports that move by themselves, and a base that cannot move the sheet, if the analysis is one of
+/// Does that, and throws UserError for supports that move by themselves, and a base that cannot move the sheet, if the analysis is one of
 /// frequencies. Not collective.
 void require_excitation(const input::Case& c, const system::Model& model);
 

@@ -44,8 +44,8 @@ class LoadPath : public Stepper {
 [[nodiscard]] StepResult find_equilibrium(system::Model& model, system::State& state);
 /// The same from a state near a stable equilibrium, as after a remeshing, by Newton's method with full steps; where that
 /// fails or ends in an unstable state, the state is as before. Collective.
+[[nodiscard]] StepResult regain_equilibrium(system::Model& model, system::State& state);
 /// Whether a state that was an equilibrium is one of this model, too: another case may act on it. Collective.
 [[nodiscard]] bool is_balanced(system::Model& model, Vec u);
-[[nodiscard]] StepResult regain_equilibrium(system::Model& model, system::State& state);
 
 }  // namespace voile::solve

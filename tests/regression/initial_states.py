@@ -434,7 +434,9 @@ def expressions_of_growth(report):
         case = strip("buckling", nx=10, load=[], eigen={"modes": 1}, temperature=[{"change": change}])
         case["material"][0] |= {"expansion": 1e-5}
         case["support"].append({"type": "displacement", "group": "tip", "components": ["x"]})
-        done = run(write_case(case | column, OUT / "growth.toml"), OUT / "growth")
+        code, text = invoke(["check", write_case(case | column, OUT / "growth.toml")])
+        report.check(code == (0 if change in ("1", "t", "1*t + 0") else 2), f"{change}: check, code {code}: {text.strip()[-100:]}")
+        done = run(OUT / "growth.toml", OUT / "growth")
         straight = change in ("1", "t", "1*t + 0")
         report.check(done.code == (0 if straight else 2) and (straight or "temperature.change" in done.text), f"{change}: code {done.code}{'' if straight else ': ' + done.text.strip()[-160:]}")
         if straight:
