@@ -59,8 +59,7 @@ std::vector<Key> reading_keys(formats::MeshOptions& o) {
        .meaning =
            "Whether parts are joined where they touch: vertices at one place become one if one is on a boundary, "
            "and triangles are divided where a part ends on them or, without contact of the sheet with itself, passes "
-           "through "
-           "them."},
+           "through them."},
       {.name = "merge_tolerance",
        .slot = &o.merge_tolerance,
        .meaning = "How close they lie, after `scale`. 0: a millionth of the mesh's extent, but at most a tenth of "
@@ -133,11 +132,10 @@ std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& typ
        .slot = &m.translation,
        .meaning =
            "Displacement along the global axes as three expressions of the time t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", "
-           "\"table(t, 0, 0, 1, "
-           "0.05)\"]`; `table` interpolates between pairs of time and value. Needs `analysis = \"dynamic\"`; supports "
-           "move in `static` with `control = \"load\"` too, where t is the load factor, and stand in `drape` where "
-           "they are "
-           "at t = 1, in a stage at the time of the run.",
+           "\"table(t, 0, 0, 1, 0.05)\"]`; `table` interpolates between pairs of time and value. Needs `analysis = "
+           "\"dynamic\"`; supports move in `static` with `control = \"load\"` too, where t is the load factor, and "
+           "stand "
+           "in `drape` where they are at t = 1, in a stage at the time of the run.",
        .unit = "m",
        .types = types,
        .absent = "none"},
