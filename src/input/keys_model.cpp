@@ -130,12 +130,11 @@ std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& typ
   return {
       {.name = "motion",
        .slot = &m.translation,
-       .meaning =
-           "Displacement along the global axes as three expressions of the time t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", "
-           "\"table(t, 0, 0, 1, 0.05)\"]`; `table` interpolates between pairs of time and value. Needs `dynamic`; "
-           "supports move in `static` with `control = \"load\"` too, where t is the load factor; in `drape` t is 1, in "
-           "a "
-           "stage the time of the run.",
+       .meaning = "Displacement along the global axes by three expressions of t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", "
+                  "\"table(t, 0, 0, 1, 0.05)\"]`; `table` interpolates between pairs of time and value. Needs "
+                  "`dynamic`; supports "
+                  "move in `static` with `control = \"load\"` too, where t is the load factor; in `drape` t is 1, or "
+                  "the run's.",
        .unit = "m",
        .types = types,
        .absent = "none"},
