@@ -22,6 +22,7 @@ def stage(name, analysis, **sections):
     return {"name": name, "analysis": analysis, **sections}
 
 
+EXPANDING = {"type": "isotropic", "young": 1.2e6, "poisson": 0.0, "thickness": 0.1, "density": 100.0, "expansion": 1e-4}
 BEND = stage("bend", "static")
 SWING = stage("swing", "dynamic", time={"end": 0.1, "step": 0.01})
 
@@ -312,6 +313,14 @@ def clocks(report):
         moved = staged([move("s1", 0.1), stage("between", between), move("s2", 0.3)], load=[]) | damping
         moved["support"] = [*moved["support"], held | {"motion": ["0", "0", "0.2*t"]}]
         report.near(column(solve("clocks_motion", moved), "tip_z", "s2"), 0.06, 1e-9, f"a motion goes on after {between}")
+    # Held all over, its ends are pulled by E h a 60 K at the end of 0.3 s, and by a third of it where the first motion ends.
+    warm = {"material": [EXPANDING], "support": [{"type": "hinged", "group": "plate"}], "probe": [{"name": "pull", "type": "reaction", "group": "tip", "components": ["x"]}]}
+    right = column(solve("clocks_warm", strip("static", time=None, load=[], temperature=[{"change": "60"}]) | warm), "pull_x")
+    for between in ("static", "drape"):
+        grown = staged([move("s1", 0.1), stage("between", between), move("s2", 0.3)], load=[], temperature=[{"change": "200*t"}]) | warm
+        run_of = solve("clocks_grown", grown)
+        report.near(column(run_of, "pull_x", "s2") / right, 1.0, 1e-9, f"a temperature goes on after {between}")
+        report.near(column(run_of, "pull_x", "between") / right, 1 / 3, 0.01, "where it stands still")
     free = column(solve("clocks_free", strip("static", time=None)), "tip_z")
     for last in ("static", "drape"):
         released = staged([move("s1", 0.1), stage("s2", last)]) | damping
