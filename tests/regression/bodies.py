@@ -153,6 +153,7 @@ def in_block(step, edge):
 def attachment(report):
     """An edge follows a block that turns; the same on any number of ranks, from a checkpoint, on another mesh; it lets go in time."""
     whole = solve("attachment", held(), 1)
+    report.check("nothing holds it" not in whole.text, "what it is attached to holds it")
     end = whole.results[-1]
     report.below(max(edge_error(s, s.time) for s in whole.results), 2e-3, "the edge goes where the block does [m]")
     report.check(float(np.abs(end["displacement"]).max()) > 0.08, "which is far")
@@ -200,6 +201,11 @@ def attachment_hard(report):
     case["obstacle"][0] |= {"motion": ["0", "0", "0.5*t"]}
     case["stage"] = [{"name": n, "analysis": "dynamic", "time": {"step": 0.01, "end": e}} for n, e in (("fly", 0.1), ("hold", 0.25))]
     later = part(solve("attachment_hard_later", case, 2), "hold").results
+    ringing = held(**hard)
+    ringing.pop("analysis")
+    ringing["stage"] = [{"name": "still", "analysis": "dynamic", "time": {"step": 0.01, "end": 0.05}}, {"name": "ring", "analysis": "modal"}]
+    code, text = invoke(["check", write_case(ringing, OUT / "attachment_ringing.toml")])
+    report.check(code == 0 and "stage 'ring': [[attachment]] holds nothing" in text, f"modes know no attachment: code {code}: {text.strip()[-200:]}")
     edge = later[0].mesh.group("clamp", 1)
 
     report.below(max(float(np.abs(in_block(s, edge) - in_block(later[0], edge)).max()) for s in later), 1e-9, "a later stage holds it where it is [m]")

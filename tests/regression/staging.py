@@ -337,3 +337,5 @@ def clocks(report):
     ends = strip("modal", time=None, eigen={"modes": 1, "load_factor": 1.0}, steps={"control": "displacement", "control_probe": "tip_z", "final_displacement": 0.1})
     code, text = invoke(["check", write_case(ends, OUT / "clocks_ends.toml")])
     report.check(code == 2 and "steps.final_displacement" in text, f"modes where a displacement ends: code {code}: {text.strip()[-200:]}")
+    text = invoke(["check", write_case(strip("drape", time=None, steps={"final_load_factor": 2.0}), OUT / "clocks_drape.toml")])[1]
+    report.check("[steps] has no effect" in text, "a drape has no path")
