@@ -2,6 +2,7 @@
 // program voile-gmsh.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <vector>
 
@@ -24,10 +25,16 @@ namespace voile::formats {
   return {};
 }
 
-/// Whether the diagonal from b to d of the quadrangle a, b, c, d is the shorter one. Where both are as long, but for round-off, it
-/// is not: meshes that differ in the last digits alone are split alike.
-[[nodiscard]] inline bool second_diagonal_is_shorter(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+/// Whether the quadrangle a, b, c, d is better divided from b to d than from a to c: by the shorter diagonal, unless that lies
+/// outside. Where both are as long, but for round-off, it is not: meshes that differ in the last digits alone are split alike.
+[[nodiscard]] inline bool second_diagonal_is_better(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   constexpr double rounding = 1e-6;
+  const Vec3 normal = (c - a).cross(d - b);
+  const auto lie_inside = [&](const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
+    return (q - p).cross(r - p).dot(normal) > 0.0 && (r - p).cross(s - p).dot(normal) > 0.0;
+  };
+  const bool first = lie_inside(a, b, c, d), second = lie_inside(b, c, d, a);
+  if (first != second) return second;
   return (d - b).norm() < (1.0 - rounding) * (c - a).norm();
 }
 

@@ -18,6 +18,7 @@
 #include "element_parts.hpp"
 #include "mesh_bytes.hpp"
 #include "mesh_text.hpp"
+#include "polygon_split.hpp"
 #include "triangle_file.hpp"
 #include "voile/errors.hpp"
 
@@ -208,11 +209,9 @@ std::vector<Index> GrowingMesh::add_polygon(const std::vector<Index>& corners, s
                                             const std::vector<Vec2>& texture) {
   std::vector<Index> made;
   const std::size_t n = corners.size();
-  const auto at = [&](std::size_t i) -> const Vec3& { return data.positions[corners[i % n]]; };
-  // The fan starts where the shorter diagonal of a quadrangle does.
-  const std::size_t first = n == 4 && second_diagonal_is_shorter(at(0), at(1), at(2), at(3)) ? 1 : 0;
-  for (std::size_t k = 1; k + 1 < n; ++k) {
-    const std::array<std::size_t, 3> local{first, (first + k) % n, (first + k + 1) % n};
+  std::vector<Vec3> places(n);
+  std::transform(corners.begin(), corners.end(), places.begin(), [&](Index v) { return data.positions[v]; });
+  for (const std::array<std::size_t, 3>& local : split_polygon(places)) {
     made.push_back(static_cast<Index>(data.triangles.size()));
     data.triangles.push_back({corners[local[0]], corners[local[1]], corners[local[2]]});
     data.triangle_tags.push_back(tag);

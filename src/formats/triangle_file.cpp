@@ -24,6 +24,7 @@
 #include "base/child_process.hpp"
 #include "base/plain_file.hpp"
 #include "gmsh.hpp"
+#include "polygon_split.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::formats {
@@ -42,54 +43,6 @@ struct PolygonSoup {
 
 Point point(const Vec3& x) {
   return {x[0], x[1], x[2]};
-}
-
-// --------------------------------------------------------------------------------------------------------- splitting
-
-/// Corner k of a polygon may be cut off: it is convex, and no other corner is in the triangle it makes with its
-/// neighbours. `flat` are its corners in the plane, anticlockwise.
-bool is_ear(const std::vector<Kernel::Point_2>& flat, std::size_t k) {
-  const std::size_t n = flat.size(), before = (k + n - 1) % n, after = (k + 1) % n;
-  const auto &a = flat[before], &b = flat[k], &c = flat[after];
-  if (CGAL::orientation(a, b, c) != CGAL::LEFT_TURN) return false;
-  return std::none_of(flat.begin(), flat.end(), [&](const Kernel::Point_2& p) {
-    if (p == a || p == b || p == c) return false;
-    return CGAL::orientation(a, b, p) != CGAL::RIGHT_TURN && CGAL::orientation(b, c, p) != CGAL::RIGHT_TURN &&
-           CGAL::orientation(c, a, p) != CGAL::RIGHT_TURN;
-  });
-}
-
-/// The corners projected along the coordinate axis closest to the polygon's normal, anticlockwise.
-std::vector<Kernel::Point_2> flattened(const Polygon& polygon, const std::vector<Vec3>& x) {
-  Vec3 normal = Vec3::Zero();  // twice the vector area
-  for (std::size_t k = 1; k + 1 < polygon.size(); ++k)
-    normal += (x[polygon[k]] - x[polygon[0]]).cross(x[polygon[k + 1]] - x[polygon[0]]);
-  Eigen::Index axis = 0;
-  normal.cwiseAbs().maxCoeff(&axis);
-  Eigen::Index u = (axis + 1) % 3, v = (axis + 2) % 3;
-  if (normal[axis] < 0.0) std::swap(u, v);
-  std::vector<Kernel::Point_2> flat;
-  for (const std::size_t k : polygon) flat.emplace_back(x[k][u], x[k][v]);
-  return flat;
-}
-
-/// Cuts off ears until a triangle remains. A polygon that crosses itself may run out of ears; then any corner goes.
-void split(Polygon polygon, const std::vector<Vec3>& x, std::vector<mesh::Triangle>& triangles) {
-  const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
-    triangles.push_back({static_cast<Index>(a), static_cast<Index>(b), static_cast<Index>(c)});
-  };
-  std::vector<Kernel::Point_2> flat;
-  if (polygon.size() > 3) flat = flattened(polygon, x);
-  while (polygon.size() > 3) {
-    const std::size_t n = polygon.size();
-    std::size_t k = 1;
-    while (k <= n && !is_ear(flat, k % n)) ++k;
-    k %= n;
-    add(polygon[(k + n - 1) % n], polygon[k], polygon[(k + 1) % n]);
-    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(k));
-    flat.erase(flat.begin() + static_cast<std::ptrdiff_t>(k));
-  }
-  add(polygon[0], polygon[1], polygon[2]);
 }
 
 // ----------------------------------------------------------------------------------------------------------- formats
@@ -251,7 +204,13 @@ geometry::TriangleSoup read_soup(const fs::path& file, const std::string& extens
   check_faces(file, polygons);
   geometry::TriangleSoup soup;
   for (const Point& p : polygons.points) soup.positions.emplace_back(p.x(), p.y(), p.z());
-  for (const Polygon& p : polygons.polygons) split(p, soup.positions, soup.triangles);
+  std::vector<Vec3> corners;
+  for (const Polygon& p : polygons.polygons) {
+    corners.clear();
+    for (const std::size_t v : p) corners.push_back(soup.positions[v]);
+    for (const auto& [a, b, c] : split_polygon(corners))
+      soup.triangles.push_back({static_cast<Index>(p[a]), static_cast<Index>(p[b]), static_cast<Index>(p[c])});
+  }
   return checked(file, std::move(soup));
 }
 

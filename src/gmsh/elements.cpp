@@ -82,7 +82,7 @@ void ElementReader::add(int type, const std::vector<std::size_t>& tags, const st
       for (const std::size_t i : part) n.push_back(nodes[e * shape.nodes + i]);
       if (n.size() == 4) {
         // From the corner on where the shorter diagonal begins.
-        if (second_diagonal_is_shorter(place(n[0]), place(n[1]), place(n[2]), place(n[3])))
+        if (second_diagonal_is_better(place(n[0]), place(n[1]), place(n[2]), place(n[3])))
           std::rotate(n.begin(), n.begin() + 1, n.end());
         n = {n[0], n[1], n[2], n[0], n[2], n[3]};
       }

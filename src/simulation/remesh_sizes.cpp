@@ -43,10 +43,11 @@ double largest_squared(const double* k) {
   return std::pow(std::abs(mean) + radius, 2);
 }
 
-/// To a per cent, so that decisions and smoothing do not see the last digits, in which other numbers of ranks differ.
-double rounded(double size) {
+/// To a per cent, so that decisions and smoothing do not see the last digits, in which other numbers of ranks differ. As
+/// parts of the sheet's extent: the same in every unit.
+double rounded(double size, double extent) {
   constexpr double steps = 100.0;
-  return std::exp(std::round(std::log(size) * steps) / steps);
+  return extent * std::exp(std::round(std::log(size / extent) * steps) / steps);
 }
 
 /// Vertices that a mesh of some sizes has, about: half of the triangles and half of the edges on the boundary.
@@ -230,7 +231,7 @@ std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
       for (double& h : size) h *= factor;
     }
     check_count(stage_.c, vertices_of(mesh, size, frozen).all());
-    for (double& h : size) h = rounded(h);
+    for (double& h : size) h = rounded(h, first_->extent());
   });
   return size;
 }

@@ -127,6 +127,25 @@ TEST_CASE("quadrangles are split along their shorter diagonal, and this is said"
     CHECK(read(".obj", std::string(square) + "f 1 2 3 4\n").triangles[0] == mesh::Triangle{0, 1, 2});
 }
 
+/// Of all triangles.
+double area(const mesh::MeshData& m) {
+  double sum = 0.0;
+  for (const auto& [a, b, c] : m.triangles) sum += mesh::triangle_area(m.positions[a], m.positions[b], m.positions[c]);
+  return sum;
+}
+
+TEST_CASE("a polygon of a mesh that is not convex is split without covering its bay") {
+  // an arrow head, whose shorter diagonal lies outside, from every corner and in both directions; then an L
+  const char* arrow = "v 0 0 0\nv 0.1 1 0\nv 0 0.8 0\nv -0.1 1 0\n";
+  for (const char* face : {"f 1 2 3 4\n", "f 2 3 4 1\n", "f 3 4 1 2\n", "f 4 3 2 1\n"}) {
+    const mesh::MeshData obj = read(".obj", std::string(arrow) + face);
+    CHECK(area(obj) == relative(0.08));
+  }
+  const mesh::MeshData bent =
+      read(".obj", "v 1 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nf 1 2 3 4 5 6\nf 6 5 4 3 2 1\n");
+  CHECK(area(bent) == relative(6.0));
+}
+
 TEST_CASE("Abaqus: lines are curves, second order is split, what is no sheet is left out with a note") {
   const std::string nodes = "*NODE\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n5,.5,0\n6,1,.5\n7,.5,1\n8,0,.5\n9,.5,.5\n";
   const mesh::MeshData gmsh = read(

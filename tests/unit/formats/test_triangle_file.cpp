@@ -222,6 +222,11 @@ TEST_CASE("a polygon that is not convex is split without covering its bay") {
   }
 }
 
+TEST_CASE("a quadrangle of an obstacle is split along its shorter diagonal") {
+  const geometry::TriangleSoup soup = read(".obj", "v 0 0 0\nv 1 0 0\nv 1.2 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  CHECK(soup.triangles == std::vector<mesh::Triangle>{{1, 2, 3}, {1, 3, 0}});
+}
+
 TEST_CASE("vertex numbers stay, triangles of zero area go, nothing needs to be a manifold") {
   // a vertex without a face, coinciding vertices, an edge of three triangles, one bent back, two of zero area
   const geometry::TriangleSoup s = read(".obj",
