@@ -43,7 +43,7 @@ THIRD_PARTY = [
     (r"metis\.h", r"mesh/partition|.*/mumps.*"),
     (r"[sd]mumps_c\.h", r".*/mumps.*"),
     (r"hdf5.*\.h|H5.*\.h", r"results/.*"),
-    (r"CGAL/.*", r"geometry/intersections|geometry/closest_triangle|geometry/implicit_surface|geometry/triangle_division|formats/triangle_file"),
+    (r"CGAL/.*", r"geometry/intersections|geometry/closest_triangle|geometry/implicit_surface|geometry/triangle_division|formats/(triangle_file|polygon_split)"),
     (r"gmsh\.h(_cwrap)?", r"gmsh/.*"),
     (r"toml\+\+/.*", r"input/case.*|fit/sheet.*|picture/recording"),
     (r"embree3/.*", r"picture/tracing"),

@@ -111,7 +111,7 @@ void check(MPI_Comm comm, const input::Case& whole) {
   const petsc::VecHandle start = model.dofs().create_vector();
   if (!c.mesh.start.empty()) model.dofs().scatter(simulation::start_shape(comm, c, mesh), start);
   setup::check_start_supports(c, model, start);
-  const system::TriangleFields at_rest = model.potential().triangle_fields(start);
+  const system::TriangleFields at_rest = model.triangle_fields(start);
   simulation::check_remesh(comm, c, mesh);
   std::string outlook;
   if (c.remesh.active) {

@@ -23,9 +23,35 @@ void FollowerTerm::add_pressure(const std::array<Index, 3>& points, double press
   elements_.push_back({std::move(bulge), pressure, false, owned, factor});
 }
 
-void FollowerTerm::add_moment(const std::array<Index, 3>& points, double moment, double rest_length, int factor,
-                              bool owned) {
-  elements_.push_back({{{points.begin(), points.end()}, {}}, moment * rest_length, true, owned, factor});
+void FollowerTerm::add_moment(Moment moment, int factor, bool owned) {
+  elements_.push_back({{std::move(moment.points), std::move(moment.weights)},
+                       moment.moment,
+                       true,
+                       owned,
+                       factor,
+                       moment.triangle,
+                       moment.bend});
+}
+
+std::vector<EdgeBend> FollowerTerm::edge_bends() const {
+  std::vector<EdgeBend> bends;
+  for (const Element& el : elements_)
+    if (el.turns() && el.owned) bends.push_back({el.triangle, scaled(el) * el.bend});
+  return bends;
+}
+
+Vec3 FollowerTerm::normal(const Element& el, const Configuration& c) {
+  const auto x = el.positions(c);
+  return (x(1) - x(0)).cross(x(2) - x(0)).normalized();
+}
+
+std::array<Mat3, 3> FollowerTerm::normal_derivative(const Element& el, const Configuration& c) {
+  const auto x = el.positions(c);
+  const Vec3 m = (x(1) - x(0)).cross(x(2) - x(0));
+  const Mat3 of_area = (Mat3::Identity() - m * m.transpose() / m.squaredNorm()) / m.norm();
+  std::array<Mat3, 3> d = area_vector_derivative(x(0), x(1), x(2));
+  for (Mat3& part : d) part = of_area * part;
+  return d;
 }
 
 std::array<Vec3, 3> FollowerTerm::force(const Element& el, const Configuration& c) const {

@@ -1,11 +1,11 @@
-#include "formats/polygon_split.hpp"
+#include "polygon_split.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <algorithm>
 #include <numeric>
 
-#include "formats/element_parts.hpp"
+#include "element_parts.hpp"
 
 namespace voile::formats {
 namespace {

@@ -43,7 +43,7 @@ std::vector<system::SeamTension> tensions(const input::Case& c, const system::Mo
 GarmentMeasures measure_garment(const input::Case& c, system::Model& model, const system::State& state) {
   GarmentMeasures m;
   const std::vector<double> displacement = model.dofs().gather(state.u);
-  const system::TriangleFields fields = model.potential().triangle_fields(state.u);
+  const system::TriangleFields fields = model.triangle_fields(state.u);
   std::vector<double> ease, pressure;
   for (results::Field& f : contact_fields(
            model, state.u, [](const std::string& name) { return name == "ease" || name == "contact_pressure"; }))

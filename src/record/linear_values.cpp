@@ -94,7 +94,7 @@ double LinearValues::stiffness() {
 }
 
 system::TriangleFields LinearValues::triangle_changes() {
-  const auto fields_at = [&](Vec a) { return model_.potential().triangle_fields(a); };
+  const auto fields_at = [&](Vec a) { return model_.triangle_fields(a); };
   model_.potential().hold_natural_states(
       true);  // in all three, so that differences of second order are those of u alone
   const system::TriangleFields up = fields_at(forward_), down = fields_at(backward_);
@@ -109,7 +109,7 @@ system::TriangleFields LinearValues::triangle_changes() {
 }
 
 system::TriangleFields LinearValues::triangle_fields() {
-  system::TriangleFields all = model_.potential().triangle_fields(rest_);
+  system::TriangleFields all = model_.triangle_fields(rest_);
   const system::TriangleFields change = triangle_changes();
   const auto add = [&](LinearField field) {
     for (std::size_t i = 0; i < (all.*field).size(); ++i) (all.*field)[i] += (change.*field)[i];

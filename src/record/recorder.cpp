@@ -149,11 +149,12 @@ Recorder::Snapshot Recorder::snapshot(Vec a, const Motion& motion) {
     warnings_.say_range(model_->dofs().mesh(), s.validity);
     warnings_.say_dimples(case_, model_->discretisation().sheet(), s.state.displacement);
   }
-  if (probes_->need_energies())
+  if (probes_->need_energies()) {
     s.state.energies = linear_ ? LinearValues(*model_, a).energies() : system::energies(*model_, a);
+    if (!motion.v) s.state.energies.bending += model_->edge_energy();
+  }
   if (probes_->need_stresses()) {
-    const system::TriangleFields t =
-        linear_ ? LinearValues(*model_, a).triangle_fields() : model_->potential().triangle_fields(a);
+    const system::TriangleFields t = linear_ ? LinearValues(*model_, a).triangle_fields() : model_->triangle_fields(a);
     if (root_) s.state.stresses = probes_->stresses(*model_, t);
   }
   if (probes_->need_ease()) s.state.ease = system::ease(model_->contact()->scene(), a);

@@ -56,8 +56,7 @@ double Recorder::round_off_strain(Vec a) const {
 
 std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wants, const std::string* judged) {
   std::vector<Field> fields;
-  const system::TriangleFields t =
-      linear_ ? LinearValues(*model_, a).triangle_fields() : model_->potential().triangle_fields(a);
+  const system::TriangleFields t = linear_ ? LinearValues(*model_, a).triangle_fields() : model_->triangle_fields(a);
   if (sizes_ && wants("wanted_size")) fields.push_back({"wanted_size", "m", results::Centre::vertex, 1, sizes_()});
   for (Field& f : contact_fields(*model_, a, wants)) fields.push_back(std::move(f));
   const bool estimated = estimates() && (judged || std::any_of(judgements.begin(), judgements.end(),
@@ -108,7 +107,7 @@ void Recorder::say_form(const system::State& state, const solve::StepResult& r) 
   const bool is_first = case_.form.active && case_.stage.number == 0 && !dynamics_ && !linear_ &&
                         case_.analysis != "drape" && r.taken == 0.0 && state.load_factor == 0.0;
   if (!is_first || std::exchange(said_form_, true)) return;
-  const system::TriangleFields t = model_->potential().triangle_fields(state.u);
+  const system::TriangleFields t = model_->triangle_fields(state.u);
   mpi::on_root(model_->dofs().comm(), [&] {
     const energy::Sheet& sheet = model_->discretisation().sheet();
     const TensionChange change = tension_change(sheet, t);

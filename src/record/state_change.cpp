@@ -41,7 +41,7 @@ void StateChange::force(Vec f) {
 std::vector<double> StateChange::of_fields(const std::function<std::vector<double>(const system::TriangleFields&)>& f) {
   std::vector<double> change;
   at_sides([&](Vec x, double weight) {
-    const system::TriangleFields fields = model_.potential().triangle_fields(x);
+    const system::TriangleFields fields = model_.triangle_fields(x);
     if (mpi::rank(model_.dofs().comm()) != 0) return;
     const std::vector<double> values = f(fields);
     change.resize(values.size(), 0.0);

@@ -204,7 +204,7 @@ void Remesher::bound_by_obstacles(const std::vector<setup::Bend>& bends, double 
 std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
   system::Model& model = epoch.model();
   const mesh::SurfaceMesh& mesh = model.dofs().mesh();
-  const system::TriangleFields fields = model.potential().triangle_fields(epoch.state().u);
+  const system::TriangleFields fields = model.triangle_fields(epoch.state().u);
   std::vector<double> squared(fields.curvature.size() / 3);
   // Where a rest shape is made flat the change counts, but not that of a temperature, which is no shape.
   const auto is_heated = [&](std::size_t t) {

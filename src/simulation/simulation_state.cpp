@@ -86,6 +86,7 @@ Energy Simulation::energy() const {
   const system::Energies e =
       linear ? record::LinearValues(model, state.u).energies() : system::energies(model, state.u);
   Energy all{e.membrane, e.bending, e.contact, e.springs, e.external};
+  if (!impl_->epoch().dynamics()) all.bending += model.edge_energy();
   const double moment = system::short_moment * impl_->run->stage().stage().c.time.options.step;
   if (const system::Dynamics* dynamics = impl_->epoch().dynamics())
     all.kinetic = dynamics->kinetic_energy(state.v) + dynamics->kinetic_energy_of_held(state.v, moment);

@@ -102,7 +102,7 @@ std::string describe_stretch(const energy::Sheet& sheet, const std::vector<doubl
 std::string largest_stretch(system::Model& model, Vec a) {
   const std::vector<energy::Material>& materials = model.discretisation().materials();
   if (std::none_of(materials.begin(), materials.end(), [](const auto& m) { return m.rubber.any(); })) return "";
-  const system::TriangleFields fields = model.potential().triangle_fields(a);
+  const system::TriangleFields fields = model.triangle_fields(a);
   std::string text;
   mpi::on_root(model.dofs().comm(),
                [&] { text = describe_stretch(model.discretisation().sheet(), fields.membrane_strain); });

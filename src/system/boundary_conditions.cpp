@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "base/mpi.hpp"
+#include "edge_moments.hpp"
 #include "energy/loads.hpp"
 #include "energy/sheet.hpp"
 #include "gas.hpp"
@@ -350,17 +351,6 @@ void BoundaryConditions::add_gas(const Load& load) {
 void BoundaryConditions::add_follower(const Load& load) {
   const int factor = factor_of(load);
   const mesh::SurfaceMesh& mesh = on_->mesh();
-  const auto local = [&](const mesh::Triangle& t) {
-    const std::vector<Index>& of = on_->dofs().local().local_of;
-    return std::array<Index, 3>{of[t[0]], of[t[1]], of[t[2]]};
-  };
-  // As for the other elements: every triangle that touches an owned vertex.
-  const auto evaluated = [&](const std::array<Index, 3>& p) {
-    if (std::find(p.begin(), p.end(), no_index) != p.end()) return false;
-    const std::vector<Index>& of = on_->dofs().local().point_of;
-    return std::any_of(p.begin(), p.end(), [&](Index i) { return i < on_->dofs().local().owned; }) ||
-           on_->has_rows_of({of[p[0]], of[p[1]], of[p[2]]});
-  };
   if (load.kind == Load::Kind::follower_pressure) {
     std::vector<char> loaded(static_cast<std::size_t>(mesh.triangle_count()));
     for (const Index t : loaded_triangles(mesh, load)) loaded[t] = 1;
@@ -372,21 +362,11 @@ void BoundaryConditions::add_follower(const Load& load) {
     }
     return;
   }
-  for (const mesh::Segment& s : mesh.group(load.group, 1).segments)
-    for (Index t : mesh.triangles_of_vertex(s[0])) {
-      const int side = mesh.side_of(t, s[0], s[1]);
-      if (side < 0) continue;
-      if (mesh.neighbour(t, side) != no_index || mesh.is_joint(t, side))
-        throw UserError(
-            fmt::format("[[load]] group '{}' (follower_moment): the edge {}-{} lies inside the surface; a moment acts "
-                        "on a boundary "
-                        "edge",
-                        load.group, mesh.data().vertex_tags[s[0]], mesh.data().vertex_tags[s[1]]));
-      const mesh::Triangle& v = mesh.triangles()[t];
-      const auto points = local({v[(side + 1) % 3], v[(side + 2) % 3], v[side]});
-      const double length = mesh.rest_length(s);
-      if (evaluated(points)) followers_->kernel.add_moment(points, load.magnitude, length, factor, on_->owns(t));
-    }
+  add_edge_moments(*on_, load, factor, followers_->kernel);
+}
+
+std::vector<energy::EdgeBend> BoundaryConditions::edge_bends() const {
+  return followers_->kernel.edge_bends();
 }
 
 }  // namespace voile::system

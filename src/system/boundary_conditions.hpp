@@ -21,6 +21,7 @@
 #include "rigid_loads.hpp"
 
 namespace voile::energy {
+struct EdgeBend;
 class FollowerTerm;
 }  // namespace voile::energy
 
@@ -96,6 +97,8 @@ class BoundaryConditions {
   /// Adds the blocks of rigid bodies on whose local points the forces `sheet` act, to be used up, in the state taken last.
   void add_body_blocks(const energy::Configuration& c, std::vector<Vec3>& sheet, const BlockMatrix& tangent,
                        const BlockMatrix::Values& values);
+  /// What moments on edges add to the curvature of triangles that this rank owns. Not collective.
+  [[nodiscard]] std::vector<energy::EdgeBend> edge_bends() const;
   /// In the order of the loads (gas.hpp).
   [[nodiscard]] const std::vector<Gas>& gases() const { return gases_; }
   [[nodiscard]] bool has_gas() const { return !gas_factors_.empty(); }

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/mpi.hpp"
 #include "contact.hpp"
+#include "energy/loads.hpp"
+#include "energy/sheet.hpp"
 #include "term.hpp"
 #include "voile/errors.hpp"
 
@@ -91,6 +94,20 @@ void Model::residual(Vec a, Vec r) {
   }
   force_scale_ =
       std::max({applied, std::sqrt(mpi::sum(comm(), reaction)), potential_->natural_force(), contact_force_});
+}
+
+TriangleFields Model::triangle_fields(Vec a) {
+  return potential_->triangle_fields(a, conditions_->edge_bends());
+}
+
+double Model::edge_energy() const {
+  std::map<Index, Vec3> bends;
+  for (const energy::EdgeBend& bend : conditions_->edge_bends())
+    bends.try_emplace(bend.triangle, Vec3::Zero()).first->second += bend.curvature;
+  double sum = 0.0;
+  for (const auto& [t, kappa] : bends)
+    sum += 0.5 * on_->mesh().area(t) * kappa.dot(on_->element_sheet().material(t).bending * kappa);
+  return mpi::sum(comm(), sum);
 }
 
 double Model::energy(Vec a) {

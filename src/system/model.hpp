@@ -83,6 +83,11 @@ class Model {
   void unbalanced_force(Vec a, Vec f);
   /// Overwrites f with the forces of follower loads in state a. Collective. [N]
   void follower_forces(Vec a, Vec f);
+  /// Strains, forces and curvatures of the triangles. Collective; values on rank 0.
+  [[nodiscard]] TriangleFields triangle_fields(Vec a);
+  /// What moments on edges store in the slopes there, beyond the energy of free edges. In a motion it is left out, as is the work
+  /// by which it came. Collective. [J]
+  [[nodiscard]] double edge_energy() const;
   /// Norm of the largest of applied forces, reactions, forces of natural states and of contact at the last residual: what a
   /// residual is small against. [N]
   [[nodiscard]] double force_scale() const { return force_scale_; }

@@ -257,10 +257,10 @@ void Potential::restore_slips(std::vector<double> slips) {
       membrane_->kernel.set_slip(e, of(on_->elements()[e].triangle)[each - 1]);
 }
 
-TriangleFields Potential::triangle_fields(Vec a) {
+TriangleFields Potential::triangle_fields(Vec a, const std::vector<energy::EdgeBend>& edge_bends) {
   const energy::Configuration c = configuration(a);
   return recovery_.fields(on_->comm(), on_->element_sheet(), on_->mesh().triangle_count(),
-                          {membrane_->kernel, angles_->kernel, joints_, natural_.get()}, c);
+                          {membrane_->kernel, angles_->kernel, joints_, natural_.get(), edge_bends}, c);
 }
 
 long Potential::uncorrected_triangles() const {

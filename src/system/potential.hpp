@@ -26,6 +26,7 @@
 namespace voile::energy {
 struct BendingElement;
 struct CurvatureOperator;
+struct EdgeBend;
 class AnchorTerm;
 class AngleBendingTerm;
 class MembraneTerm;
@@ -147,8 +148,8 @@ class Potential {
   void write_tangent(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
                      const BlockMatrix::Values& values, double bending);
 
-  /// Strains, forces and curvatures of the triangles. Collective; values on rank 0.
-  [[nodiscard]] TriangleFields triangle_fields(Vec a);
+  /// Strains, forces and curvatures of the triangles, with what moments on edges add. Collective; values on rank 0.
+  [[nodiscard]] TriangleFields triangle_fields(Vec a, const std::vector<energy::EdgeBend>& edge_bends);
   /// Triangles that `six_node_corrected` leaves as `six_node` has them. Collective.
   [[nodiscard]] long uncorrected_triangles() const;
 

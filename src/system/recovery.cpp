@@ -9,6 +9,7 @@
 #include "energy/bending.hpp"
 #include "energy/curvature.hpp"
 #include "energy/joint.hpp"
+#include "energy/loads.hpp"
 #include "energy/membrane.hpp"
 #include "energy/sheet.hpp"
 #include "natural_states.hpp"
@@ -17,21 +18,25 @@ namespace voile::system {
 
 namespace {
 
+/// A curvature of a triangle besides that of its operator.
+void add_curvature(const energy::Sheet& sheet, Index triangle, const Vec3& kappa, TriangleFields& f) {
+  const auto add = [&](std::vector<double>& to, const Vec3& value) {
+    for (int k = 0; k < 3; ++k) to[3 * static_cast<std::size_t>(triangle) + k] += value[k];
+  };
+  add(f.curvature, kappa);
+  add(f.whole_curvature, kappa);
+  add(f.bending_moment, sheet.material(triangle).bending * kappa);
+  add(f.membrane_force, -sheet.material(triangle).coupling * kappa);
+}
+
 /// What the turn of joints adds to the curvature of the triangles there.
 void add_joints(const energy::Sheet& sheet, const energy::JointTerm& joints, const energy::Configuration& c,
                 TriangleFields& f) {
-  const auto add = [](std::vector<double>& to, Index t, const Vec3& value) {
-    for (int k = 0; k < 3; ++k) to[3 * static_cast<std::size_t>(t) + k] += value[k];
-  };
   for (Index e = 0; e < joints.size(); ++e) {
     if (!joints.owned(e)) continue;
     const Eigen::VectorXd angles = joints.angles(e, c);
-    for (const energy::JointElement::Bend& bend : joints.element(e).bends) {
-      const Vec3 kappa = bend.of_angles * angles;
-      add(f.curvature, bend.triangle, kappa);
-      add(f.whole_curvature, bend.triangle, kappa);
-      add(f.bending_moment, bend.triangle, sheet.material(bend.triangle).bending * kappa);
-    }
+    for (const energy::JointElement::Bend& bend : joints.element(e).bends)
+      add_curvature(sheet, bend.triangle, bend.of_angles * angles, f);
   }
 }
 
@@ -101,6 +106,7 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, Index
     store(f.membrane_force, r.triangle, from.membrane.force(r.membrane, strain) - coupling * kappa);
   }
   if (from.joints) add_joints(sheet, *from.joints, c, f);
+  for (const energy::EdgeBend& bend : from.edge_bends) add_curvature(sheet, bend.triangle, bend.curvature, f);
   for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment,
                   &f.temperature, &f.in_plane}) {
     mpi::sum_to_root(comm, *v);

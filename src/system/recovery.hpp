@@ -17,6 +17,7 @@ class AngleBendingTerm;
 class JointTerm;
 struct BendingElement;
 struct Configuration;
+struct EdgeBend;
 class MembraneTerm;
 class Sheet;
 }  // namespace voile::energy
@@ -51,6 +52,7 @@ class Recovery {
     const energy::AngleBendingTerm& angles;
     const energy::JointTerm* joints;  ///< null: no sheets are joined
     const NaturalStates* natural;     ///< null: the rest shape
+    const std::vector<energy::EdgeBend>& edge_bends;
   };
   /// At configuration c of the local points, of the first `triangles` of the sheet. Collective; values on rank 0.
   [[nodiscard]] TriangleFields fields(MPI_Comm comm, const energy::Sheet& sheet, Index triangles, const Sources& from,

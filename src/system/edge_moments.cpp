@@ -1,0 +1,73 @@
+#include "edge_moments.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "discretisation.hpp"
+#include "energy/curvature.hpp"
+#include "energy/edge_moment.hpp"
+#include "energy/loads.hpp"
+#include "energy/sheet.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::system {
+
+namespace {
+
+/// Throws UserError for an edge that a moment cannot turn.
+void require_free_edge(const Discretisation& on, const Load& load, const mesh::Segment& s,
+                       const mesh::TriangleSide& at) {
+  const mesh::SurfaceMesh& mesh = on.mesh();
+  const char* wrong =
+      mesh.neighbour(at.triangle, at.side) != no_index || mesh.is_joint(at.triangle, at.side)
+          ? "lies inside the surface; a moment acts on a boundary edge"
+      : on.patches().apex(at.triangle, at.side) != no_index
+          ? "has its slope held by a [[support]], which takes up the moment; take the edge out of one of the groups"
+          : nullptr;
+  if (wrong)
+    throw UserError(fmt::format("[[load]] group '{}' (follower_moment): the edge {}-{} {}", load.group,
+                                mesh.data().vertex_tags[s[0]], mesh.data().vertex_tags[s[1]], wrong));
+}
+
+/// On a side of a triangle, local points. A couple where a spring or a rigid body turns the edge: its slope is not free.
+energy::FollowerTerm::Moment moment_on(const Discretisation& on, energy::CurvatureBuilder& curvatures,
+                                       const mesh::TriangleSide& at, double moment) {
+  const mesh::Triangle& v = on.mesh().triangles()[at.triangle];
+  const auto corner = [&](int k) { return v[static_cast<std::size_t>((at.side + k) % 3)]; };
+  energy::EdgeMoment edge{{corner(1), corner(2), corner(0)}, {}, Vec3::Zero()};
+  const std::vector<mesh::TriangleSide>& held = on.constraints().elastic;
+  const bool turned = std::any_of(held.begin(), held.end(), [&](const mesh::TriangleSide& s) {
+    return s.triangle == at.triangle && s.side == at.side;
+  });
+  if (!turned && !on.is_on_body({corner(1), corner(2)}))
+    if (auto free = energy::make_edge_moment(on.element_sheet(), curvatures, at.triangle, at.side)) edge = *free;
+  const double length = on.mesh().rest_length({corner(1), corner(2)});
+  for (Index& p : edge.points) p = on.dofs().local().local_of[p];
+  return {std::move(edge.points), std::move(edge.weights), moment * length, at.triangle, edge.bend};
+}
+
+}  // namespace
+
+void add_edge_moments(const Discretisation& on, const Load& load, int factor, energy::FollowerTerm& term) {
+  const mesh::SurfaceMesh& mesh = on.mesh();
+  energy::CurvatureBuilder curvatures(on.element_sheet());
+  std::map<Index, std::vector<int>> loaded;  // sides by triangle
+  for (const mesh::Segment& s : mesh.group(load.group, 1).segments)
+    for (const Index t : mesh.triangles_of_vertex(s[0]))
+      if (const int side = mesh.side_of(t, s[0], s[1]); side >= 0) {
+        require_free_edge(on, load, s, {t, side});
+        loaded[t].push_back(side);
+      }
+  for (const auto& [t, corners, owned] : on.elements()) {
+    const auto found = loaded.find(t);
+    if (found == loaded.end()) continue;
+    for (const int side : found->second)
+      term.add_moment(moment_on(on, curvatures, {t, side}, load.magnitude), factor, owned);
+  }
+}
+
+}  // namespace voile::system
