@@ -101,7 +101,7 @@ void check(MPI_Comm comm, const input::Case& whole) {
   for (std::size_t k = 1; k < stages.size(); ++k) simulation::check_stage(stages[k], *meshes[k]);
   const input::Case& c = stages.front().c;
   system::Model model(comm, mesh, stages.front().input);
-  if (c.vibrates() || c.analysis == "dynamic") system::require_mass(model);
+  if (c.vibrates() || c.analysis == input::Analysis::dynamic) system::require_mass(model);
   std::vector<std::string> free = setup::check_free_motions(c, model);
   for (std::string& text : setup::moving_rims(c, model)) free.push_back(std::move(text));
   simulation::require_excitation(c, model);
@@ -145,7 +145,7 @@ void check(MPI_Comm comm, const input::Case& whole) {
     for (const std::string& text : free) fmt::print("note: {}\n", text);
     if (!outlook.empty()) fmt::print("{}\n", outlook);
     for (const simulation::Stage& stage : stages)
-      if (stage.c.is_staged()) fmt::print("stage '{}': {}\n", stage.c.stage.name, stage.c.analysis);
+      if (stage.c.is_staged()) fmt::print("stage '{}': {}\n", stage.c.stage.name, input::word_of(stage.c.analysis));
     fmt::print("{}: no errors found\n", c.file.string());
   });
 }

@@ -120,7 +120,8 @@ void read_supports(const CaseReader& reader, Case& c) {
     system::Support support;
     MotionInput motion;
     const SectionPlace place = reader.read("support", n, keys_of(support, motion));
-    const bool moves = c.is_staged() || c.analysis == "dynamic" || c.analysis == "static" || c.analysis == "drape";
+    const bool moves = c.is_staged() || c.analysis == Analysis::dynamic || c.analysis == Analysis::statics ||
+                       c.analysis == Analysis::drape;
     support.motion = motion_function(place, motion, moves, "\"dynamic\", \"static\" or \"drape\"");
     if (support.kind == system::Support::Kind::clamped && motion.axis)
       support.rotation = [angle = time_function(place, "rotation_angle", motion.angle),
@@ -131,7 +132,7 @@ void read_supports(const CaseReader& reader, Case& c) {
       place.fail("cylinder_axis",
                  "local axes are either x_axis and y_axis, or those of a cylinder; remove one of them");
     if (support.y_axis && !support.x_axis) place.fail("x_axis", "the key is missing; y_axis is made square to it");
-    if (std::isfinite(support.release) && c.analysis != "dynamic" && !c.is_staged())
+    if (std::isfinite(support.release) && c.analysis != Analysis::dynamic && !c.is_staged())
       place.fail("release", "a support releases only with analysis = \"dynamic\"");
     c.supports.push_back(std::move(support));
     c.motions.push_back(std::move(motion));
@@ -152,7 +153,7 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
     place.fail("end", "the axis has no length; a ball is type = \"sphere\"");
   if (s.type == Type::cylinder && (s.end - s.point).norm() == 0.0)
     place.fail("end", "the same as point, so that the axis has no length; move one of the two");
-  o.motion = motion_function(place, s.motion, c.is_staged() || c.analysis == "dynamic", "\"dynamic\"");
+  o.motion = motion_function(place, s.motion, c.is_staged() || c.analysis == Analysis::dynamic, "\"dynamic\"");
   if (o.shape == Shape::capsule)
     o.points = {s.point, s.end};
   else if (o.shape != Shape::mesh)
@@ -166,7 +167,7 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
   if (s.frames.empty()) return;
   s.frames = beside(c.file, s.frames);
   if (o.motion) place.fail("frames", "a mesh moves by frames or by motion, not by both");
-  if (c.analysis != "dynamic" && !c.is_staged())
+  if (c.analysis != Analysis::dynamic && !c.is_staged())
     place.fail("frames", "something moves only with analysis = \"dynamic\"");
 }
 
@@ -175,12 +176,12 @@ void read_remesh(const CaseReader& reader, Case& c) {
   const SectionPlace place = reader.read("remesh", 0, keys_of(s));
   if (place.is_there() && !place.has("active")) s.active = true;
   if (!s.active) return;
-  if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape") {
+  if (c.analysis != Analysis::statics && c.analysis != Analysis::dynamic && c.analysis != Analysis::drape) {
     if (!c.is_staged())
       throw UserError(
           fmt::format("{}: [remesh]: nothing is remeshed with analysis = \"{}\"; remove the section, or "
                       "choose static, dynamic or drape",
-                      c.file.string(), c.analysis));
+                      c.file.string(), word_of(c.analysis)));
     s.active = false;
   }
   if (s.active && has_gas(c))
@@ -216,12 +217,12 @@ void read_contact(const CaseReader& reader, Case& c, const StagesBefore& before)
            [&](const SectionPlace& at, const system::Attachment& s) { check_attachment(at, c, s, before); });
   c.contact.input.active = place.is_there() || !c.obstacles.empty() || !c.contact_rules.empty();
   if (!c.contact.input.active) return;
-  if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape")
+  if (c.analysis != Analysis::statics && c.analysis != Analysis::dynamic && c.analysis != Analysis::drape)
     throw UserError(
         fmt::format("{}: [contact], [[obstacle]]: there is no contact with analysis = \"{}\"; remove the "
                     "sections, or choose static, dynamic or drape",
-                    place.file, c.analysis));
-  if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load)
+                    place.file, word_of(c.analysis)));
+  if (c.analysis == Analysis::statics && c.steps.control != solve::StaticOptions::Control::load)
     throw UserError(fmt::format("{}: steps.control: contact in a static path needs \"load\"", place.file));
 }
 
@@ -245,7 +246,7 @@ void check_time(const SectionPlace& place, Case& c) {
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }) ||
       (!c.time.load_history.empty() && std::any_of(c.supports.begin(), c.supports.end(),
                                                    [](const system::Support& s) { return s.value.norm() > 0.0; }));
-  if (c.analysis == "dynamic" && c.dynamics.mass == system::Mass::consistent && moves)
+  if (c.analysis == Analysis::dynamic && c.dynamics.mass == system::Mass::consistent && moves)
     place.fail("mass", "held vertices that move need \"lumped\": their inertia would be missing beside the free ones");
   if (!c.time.load_history.empty()) c.dynamics.load_history = time_function(place, "load_history", c.time.load_history);
 }
@@ -273,15 +274,15 @@ void check_mesh(const SectionPlace& place, Case& c) {
   if (c.mesh.options.rest != formats::RestShape::texture &&
       c.mesh.options.texture_unit != UnitSystem(c.units).own_default(1.0, "m"))
     place.fail("texture_unit", "only rest = \"texture\" has one; give that, or remove the key");
-  if (c.mesh.options.rest == formats::RestShape::texture && c.analysis == "linear")
+  if (c.mesh.options.rest == formats::RestShape::texture && c.analysis == Analysis::linear)
     place.fail("rest",
                "analysis = \"linear\" begins from the shape without strain, which sewn panels do not have; use "
                "analysis = \"static\"");
   if (c.mesh.start.empty()) return;
   c.mesh.start = beside(c.file, c.mesh.start);
-  if (c.analysis != "static" && c.analysis != "drape" && c.analysis != "dynamic")
-    place.fail("start",
-               fmt::format("analysis = \"{}\" begins from the shape without strain; remove the key", c.analysis));
+  if (c.analysis != Analysis::statics && c.analysis != Analysis::drape && c.analysis != Analysis::dynamic)
+    place.fail("start", fmt::format("analysis = \"{}\" begins from the shape without strain; remove the key",
+                                    word_of(c.analysis)));
   if (c.mesh.options.merge)
     place.fail("start",
                "vertices that `merge` joins would have two places; merge them in both files, or remove the key");
@@ -329,7 +330,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   read_all(reader, "spring", c.springs, unchecked);
   const SectionPlace steps = reader.read("steps", 0, keys_of(c.steps));
   check_steps(steps, c.steps);
-  if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load &&
+  if (c.analysis == Analysis::statics && c.steps.control != solve::StaticOptions::Control::load &&
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
   if (c.finds_modes() && c.steps.final_displacement != 0.0)
@@ -340,7 +341,8 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   read_contact(reader, c, before);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
   read_all(reader, "initial_velocity", c.initial_velocities, [&](const SectionPlace& place, const InitialVelocity&) {
-    if (c.analysis != "dynamic") place.fail("velocity", "only analysis = \"dynamic\" has one; remove the section");
+    if (c.analysis != Analysis::dynamic)
+      place.fail("velocity", "only analysis = \"dynamic\" has one; remove the section");
   });
   read_wind(reader.read("air", 0, keys_of(c.dynamics.drag)), c, c.dynamics.drag);
   reader.read("drape", 0, keys_of(c.drape));

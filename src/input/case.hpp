@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis.hpp"
 #include "base/types.hpp"
 #include "energy/element_options.hpp"
 #include "energy/material.hpp"
@@ -274,7 +275,7 @@ struct FormSection {
 /// A stage: an analysis that begins where the one before has ended.
 struct StageSection {
   std::string name;  ///< of its folder too
-  std::string analysis = "static";
+  Analysis analysis = Analysis::statics;
   std::size_t number = 0;  ///< counted from 0
   std::vector<std::size_t> supports{}, loads{}, springs{}, attachments{},
       temperatures{};              ///< which of the file's hold in it
@@ -298,7 +299,7 @@ struct Case {
 
   std::filesystem::path file;
   std::string title;
-  std::string analysis = "static";
+  Analysis analysis = Analysis::statics;
   UnitsSection units;
   MeshSection mesh;
   std::vector<PanelSection> panels;
@@ -347,8 +348,8 @@ struct Case {
     return (contact.input.active && contact.input.self) ||
            std::any_of(stages.begin(), stages.end(), [](const Case& one) { return one.touches_itself(); });
   }
-  [[nodiscard]] bool finds_modes() const { return vibrates() || analysis == "buckling"; }
-  [[nodiscard]] bool vibrates() const { return analysis == "modal" || analysis == "harmonic"; }
+  [[nodiscard]] bool finds_modes() const { return vibrates() || analysis == Analysis::buckling; }
+  [[nodiscard]] bool vibrates() const { return analysis == Analysis::modal || analysis == Analysis::harmonic; }
 };
 
 /// Parses and checks everything that needs no mesh. Not collective.

@@ -25,9 +25,9 @@ std::size_t next_number(const Case& c) {
 
 /// One that releases before it takes hold would do nothing, nor does a time where there is none.
 void check_release(const SectionPlace& place, const Case& c, const system::Attachment& s, const StagesBefore& before) {
-  if (std::isfinite(s.release) && c.analysis != "dynamic" && !c.is_staged())
+  if (std::isfinite(s.release) && c.analysis != Analysis::dynamic && !c.is_staged())
     place.fail("release", "an attachment releases only with analysis = \"dynamic\"");
-  if (c.analysis != "dynamic" || s.release > before.end || contains(before.attachments, next_number(c))) return;
+  if (c.analysis != Analysis::dynamic || s.release > before.end || contains(before.attachments, next_number(c))) return;
   const std::string first = c.is_staged()
                                 ? fmt::format(", when stage '{}', the first that names it, begins", c.stage.name)
                                 : std::string(", when the run begins");
@@ -39,7 +39,7 @@ void check_release(const SectionPlace& place, const Case& c, const system::Attac
 }  // namespace
 
 void StagesBefore::add(const Case& stage) {
-  if (stage.analysis == "dynamic") end = stage.time.options.end_time;
+  if (stage.analysis == Analysis::dynamic) end = stage.time.options.end_time;
   if (stage.attachments.empty()) return;  // an analysis without contact
   attachments.insert(attachments.end(), stage.stage.attachments.begin(), stage.stage.attachments.end());
 }

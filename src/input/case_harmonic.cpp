@@ -75,9 +75,9 @@ bool damps(const Case& c) {
 
 void check_damping(const SectionPlace& place, const Case& c) {
   if (c.dynamics.ratios.empty()) return;
-  if (c.analysis == "dynamic" && !c.is_staged())
+  if (c.analysis == Analysis::dynamic && !c.is_staged())
     place.fail("ratio", "only the modes of analysis = \"harmonic\" have one; use `bending` and `mass`");
-  if (c.analysis == name && c.harmonic.method == HarmonicSection::Method::direct)
+  if (c.analysis == Analysis::harmonic && c.harmonic.method == HarmonicSection::Method::direct)
     place.fail("ratio",
                "harmonic.method = \"direct\" has no modes; use `bending` and `mass`, or method = \"superposition\"");
 }
@@ -89,7 +89,7 @@ void read_harmonic(const CaseReader& reader, Case& c) {
   const SectionPlace place = reader.read(name, 0, keys_of(c.harmonic));
   const SectionPlace damping = reader.read("damping", 0, damping_keys(c.dynamics));
   check_damping(damping, c);
-  if (c.analysis != name) {
+  if (c.analysis != Analysis::harmonic) {
     if (c.eigen.modes == 0 && c.finds_modes()) eigen.fail("modes", "0: give a number of modes");
     return;
   }
@@ -107,7 +107,7 @@ void read_harmonic(const CaseReader& reader, Case& c) {
 }
 
 void check_harmonic(const Case& c) {
-  if (c.analysis != name) return;
+  if (c.analysis != Analysis::harmonic) return;
   const auto refuse = [&](const std::string& key, const char* why) {
     throw UserError(fmt::format("{}: {}: with analysis = \"harmonic\" {}", c.file.string(), key, why));
   };

@@ -13,17 +13,18 @@ namespace {
 
 struct Readers {
   const char* section;
-  std::vector<std::string> analyses;
+  std::vector<Analysis> analyses;
 };
 
 const std::vector<Readers>& readers() {
-  static const std::vector<Readers> list{{"time", {"dynamic"}},
-                                         {"air", {"dynamic"}},
-                                         {"damping", {"dynamic", "harmonic"}},
-                                         {"drape", {"drape"}},
-                                         {"steps", {"static", "linear", "modal", "buckling", "harmonic"}},
-                                         {"eigen", {"modal", "buckling", "harmonic"}},
-                                         {"harmonic", {"harmonic"}}};
+  static const std::vector<Readers> list{
+      {"time", {Analysis::dynamic}},
+      {"air", {Analysis::dynamic}},
+      {"damping", {Analysis::dynamic, Analysis::harmonic}},
+      {"drape", {Analysis::drape}},
+      {"steps", {Analysis::statics, Analysis::linear, Analysis::modal, Analysis::buckling, Analysis::harmonic}},
+      {"eigen", {Analysis::modal, Analysis::buckling, Analysis::harmonic}},
+      {"harmonic", {Analysis::harmonic}}};
   return list;
 }
 
@@ -48,7 +49,7 @@ std::vector<std::string> idle_sections(const CaseReader& reader, const Case& c) 
   if (c.is_staged()) return notes;  // what stands outside of stages is for all of them
   for (const auto& [section, analyses] : readers())
     if (reader.count(section) > 0 && !contains(analyses, c.analysis) && says_something(reader, section))
-      notes.push_back(fmt::format("[{}] has no effect with analysis = \"{}\"", section, c.analysis));
+      notes.push_back(fmt::format("[{}] has no effect with analysis = \"{}\"", section, word_of(c.analysis)));
   if (reader.count("sewing") > 0 && c.panels.empty() && says_something(reader, "sewing"))
     notes.emplace_back("[sewing] has no effect without [[panel]]");
   return notes;

@@ -10,17 +10,6 @@
 
 namespace voile::input {
 
-namespace {
-
-/// Binds a string that may only take one of `names`.
-Choice word(std::string& value, const std::vector<std::string>& names) {
-  return {names,
-          [&value, names] { return static_cast<int>(std::find(names.begin(), names.end(), value) - names.begin()); },
-          [&value, names](int i) { value = names[static_cast<std::size_t>(i)]; }};
-}
-
-}  // namespace
-
 std::string Range::text() const {
   constexpr double many_zeros = 1e6;
   const auto number = [](double x) { return std::abs(x) < many_zeros ? fmt::format("{}", x) : fmt::format("{:g}", x); };
@@ -40,8 +29,8 @@ bool is_required(const Key& key, const std::string& type) {
 
 namespace {
 
-Slot analysis_slot(std::string& analysis) {
-  return word(analysis, {"static", "linear", "modal", "buckling", "dynamic", "drape", "harmonic"});
+Slot analysis_slot(Analysis& analysis) {
+  return choice(analysis, {analysis_words.begin(), analysis_words.end()});
 }
 
 }  // namespace

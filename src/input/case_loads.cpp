@@ -21,18 +21,18 @@ bool is_number(const std::string& text) {
 
 void read_load_history(const SectionPlace& place, const Case& c, system::Load& load) {
   if (load.history_text.empty()) return;
-  if (c.analysis != "dynamic" && !c.is_staged())
+  if (c.analysis != Analysis::dynamic && !c.is_staged())
     place.fail("history", "a load has a time only with analysis = \"dynamic\"");
   if (load.constant) place.fail("constant", "a load with a history of its own is not constant; remove one of the keys");
   load.history = time_function(place, "history", load.history_text);
 }
 
 void check_leak(const SectionPlace& place, const Case& c, const system::Load& load) {
-  if (c.analysis != "dynamic" && !c.is_staged())
+  if (c.analysis != Analysis::dynamic && !c.is_staged())
     place.fail("leak_area",
                fmt::format("a gas leaks in time, and analysis = \"{}\" has none; use dynamic, or remove the "
                            "key",
-                           c.analysis));
+                           word_of(c.analysis)));
   if (load.exponent == 0.0)
     place.fail("exponent", "at constant pressure a leak changes nothing; give 1 or more, or remove leak_area");
   if (load.ambient == 0.0) place.fail("ambient", "a leak needs the pressure outside, to which `density` belongs");
@@ -41,9 +41,10 @@ void check_leak(const SectionPlace& place, const Case& c, const system::Load& lo
 /// What a gas cannot be part of.
 void check_gas(const SectionPlace& place, const Case& c, const system::Load& load) {
   if (load.kind != system::Load::Kind::gas) return;
-  if (c.analysis == "linear" || c.analysis == "buckling" || c.analysis == "drape" || c.analysis == "harmonic")
+  if (c.analysis == Analysis::linear || c.analysis == Analysis::buckling || c.analysis == Analysis::drape ||
+      c.analysis == Analysis::harmonic)
     place.fail("type", fmt::format("analysis = \"{}\" has no gas; use static, modal or dynamic, or follower_pressure",
-                                   c.analysis));
+                                   word_of(c.analysis)));
   if (!c.panels.empty()) place.fail("type", "panels that are sewn enclose nothing at the start; use follower_pressure");
   if (load.ambient + load.magnitude <= 0.0)
     place.fail("magnitude", fmt::format("with ambient = {:g} Pa the absolute pressure would be {:g} Pa; a gas has more "
@@ -89,8 +90,8 @@ void read_wind(const SectionPlace& place, const Case& c, energy::DragOptions& s)
                "tangential_drag, or remove the section");
   if ((s.wind.norm() > 0.0 || s.wind_in_time) && !s.active())
     place.fail("wind", "the air has no force on the sheet; give normal_drag or tangential_drag");
-  if ((s.wind.norm() > 0.0 || s.wind_in_time) && c.analysis != "dynamic" && !c.is_staged())
-    place.fail("wind", fmt::format("analysis = \"{}\" has no wind; use dynamic, or a pressure", c.analysis));
+  if ((s.wind.norm() > 0.0 || s.wind_in_time) && c.analysis != Analysis::dynamic && !c.is_staged())
+    place.fail("wind", fmt::format("analysis = \"{}\" has no wind; use dynamic, or a pressure", word_of(c.analysis)));
 }
 
 bool has_gas(const Case& c) {

@@ -109,7 +109,8 @@ void check_folds(const Case& c) {
     char* end = nullptr;
     const double angle = std::strtod(hinge.angle.text.c_str(), &end);
     const bool is_number = !hinge.angle.text.empty() && end != nullptr && *end == '\0';
-    const double most = c.analysis == "static" && !hinge.constant ? std::max(1.0, c.steps.final_load_factor) : 1.0;
+    const double most =
+        c.analysis == Analysis::statics && !hinge.constant ? std::max(1.0, c.steps.final_load_factor) : 1.0;
     if (!is_number || std::abs(angle) * most <= 180.0 * (1.0 + 1e-9)) continue;
     throw UserError(fmt::format(
         "{}: [[hinge]] group = \"{}\": angle = {:g} degrees: a fold is counted from the mesh, and beyond 180 the "
@@ -152,10 +153,10 @@ std::size_t mode_stage_of(const std::vector<Case>& stages, const ImperfectionSec
   if (at == names.end()) fail("stage", fmt::format("there is no stage '{}':{}", s.stage, suggestion(s.stage, names)));
   const auto number = static_cast<std::size_t>(at - names.begin());
   const Case& finds = stages[number];
-  if (finds.analysis != "buckling" && finds.analysis != "modal")
+  if (finds.analysis != Analysis::buckling && finds.analysis != Analysis::modal)
     fail("stage", fmt::format("stage '{}' has analysis = \"{}\", which gives no modes; name one with \"buckling\" or "
                               "\"modal\"",
-                              s.stage, finds.analysis));
+                              s.stage, word_of(finds.analysis)));
   if (number + 1 == names.size())
     fail("stage", fmt::format("no stage comes after '{}', whose modes would change its shape; add one, or name an "
                               "earlier stage",
@@ -173,7 +174,7 @@ void require_nothing_left(const Case& stage, const std::string& next) {
     throw UserError(fmt::format("{}: [[imperfection]] stage: stage '{}' begins anew on the imperfect shape, but {}",
                                 stage.file.string(), next, why));
   };
-  if (stage.analysis == "dynamic")
+  if (stage.analysis == Analysis::dynamic)
     fail(fmt::format("in stage '{}' before it time has passed; move that one behind it", stage.stage.name));
   if (stage.remesh.active)
     fail(fmt::format("stage '{}' before it may have changed the mesh; give it [stage.remesh] active = false",

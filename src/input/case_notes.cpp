@@ -26,7 +26,7 @@ std::string name_of(const energy::Material& m) {
 bool is_about_rest(const Case& c) {
   const auto constant = [](const auto& acting) { return acting.constant; };
   if (c.stage.number > 0) return false;
-  if (c.analysis == "linear") return true;
+  if (c.analysis == Analysis::linear) return true;
   return c.finds_modes() && c.eigen.load_factor == 0.0 && std::none_of(c.loads.begin(), c.loads.end(), constant) &&
          std::none_of(c.temperatures.begin(), c.temperatures.end(), constant) &&
          std::none_of(c.hinges.begin(), c.hinges.end(), constant);
@@ -43,7 +43,7 @@ std::vector<std::string> material_notes(const Case& c) {
             fmt::format("analysis = \"{}\": of the curves of {} it takes the tangent at zero strain, where a fabric is "
                         "softest; give "
                         "its `initial_strain`, or a [[stage]] with a static analysis before",
-                        c.analysis, name_of(m)));
+                        word_of(c.analysis), name_of(m)));
   for (const energy::Material& m : c.materials)
     if (const std::string note = m.rubber.any() ? ellipticity_note(m.rubber) : ""; !note.empty())
       notes.push_back(

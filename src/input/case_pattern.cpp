@@ -85,7 +85,7 @@ void check_panel_mesh(const SectionPlace& place, const Case& c) {
   for (const char* key : {"file", "start", "rest", "texture_unit", "scale", "size", "algorithm", "merge",
                           "merge_tolerance", "parameters", "up_axis", "rotate", "translate"})
     if (place.has(key)) place.fail(key, "the surface is cut from [[panel]]; remove the key, or the panels");
-  if (c.analysis == "linear")
+  if (c.analysis == Analysis::linear)
     throw UserError(
         fmt::format("{}: analysis = \"linear\" begins from the shape without strain, which placed panels do "
                     "not have; use analysis = \"static\"",

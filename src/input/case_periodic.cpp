@@ -40,12 +40,12 @@ void take_component(const SectionPlace& place, const Case& c, std::size_t k, Per
   const std::optional<double> number = plain_number(text);
   if (number) s.pair.difference[i] = *number;
   if (number == 0.0) return;
-  if (c.analysis == "dynamic")
+  if (c.analysis == Analysis::dynamic)
     place.fail("difference", fmt::format("{} = {}: edges that move apart in time are not modelled; use 0, or \"free\" "
                                          "with a force",
                                          directions[k], text));
   if (number) return;
-  if (c.analysis != "static" || c.steps.control != solve::StaticOptions::Control::load)
+  if (c.analysis != Analysis::statics || c.steps.control != solve::StaticOptions::Control::load)
     place.fail("difference", fmt::format("{} = \"{}\": an expression needs analysis = \"static\" with steps.control = "
                                          "\"load\"; give a number, which grows with the load factor",
                                          directions[k], text));
@@ -118,8 +118,9 @@ void check_periodic(const Case& c) {
     throw UserError(fmt::format("{}: [[periodic]] and {}: {}", c.file.string(), key, why));
   };
   refuse_sections(c, refuse);
-  if (c.analysis == "buckling" || c.analysis == "harmonic")
-    refuse(("analysis = \"" + c.analysis + "\"").c_str(), "use static, drape, linear, modal or dynamic");
+  if (c.analysis == Analysis::buckling || c.analysis == Analysis::harmonic)
+    refuse(fmt::format("analysis = \"{}\"", word_of(c.analysis)).c_str(),
+           "use static, drape, linear, modal or dynamic");
   for (const PeriodicSection& s : c.periodics)
     for (const char* part : {"", "_force"})
       for (const Probe& probe : c.probes)
@@ -131,7 +132,7 @@ void check_periodic(const Case& c) {
   if (!any_free) return;  // where differences are given, no vertex has the mass of another one
   if (c.vibrates() && c.eigen.mass == system::Mass::lumped)
     refuse("eigen.mass", "a free difference needs \"consistent\"");
-  if (c.analysis == "dynamic" && c.dynamics.mass == system::Mass::lumped)
+  if (c.analysis == Analysis::dynamic && c.dynamics.mass == system::Mass::lumped)
     refuse("time.mass", "a free difference needs \"consistent\"");
 }
 

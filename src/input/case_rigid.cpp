@@ -23,10 +23,10 @@ bool is_zero(const std::string& text) {
 
 /// Where something may move in this case.
 void require_motion(const SectionPlace& place, const Case& c, const char* key) {
-  if (c.analysis == "dynamic") return;
-  if (c.analysis != "static")
+  if (c.analysis == Analysis::dynamic) return;
+  if (c.analysis != Analysis::statics)
     place.fail(key, fmt::format("nothing is moved with analysis = \"{}\"; choose \"static\" or \"dynamic\", or hold it",
-                                c.analysis));
+                                word_of(c.analysis)));
   if (c.steps.control != solve::StaticOptions::Control::load)
     place.fail(key, "it moves with the load factor, for which steps.control must be \"load\"");
 }
@@ -77,7 +77,7 @@ void take_turn(const SectionPlace& place, const Case& c, RigidSection& s) {
 }  // namespace
 
 void read_rigid(const SectionPlace& place, const Case& c, RigidSection& s) {
-  if (c.analysis == "drape" || c.is_staged())
+  if (c.analysis == Analysis::drape || c.is_staged())
     place.fail("group", fmt::format("there are no rigid groups {}; use [[support]]",
                                     c.is_staged() ? "in a case with stages" : "with analysis = \"drape\""));
   if (s.name.empty()) s.name = s.group.group;
@@ -108,7 +108,7 @@ void check_rigid(const Case& c) {
   if (held && c.element.bending == energy::BendingOperator::six_node)
     refuse("element.type", "the published elements hold no slope; use \"corrected\", or slope = \"free\"");
   if (c.vibrates() && c.eigen.mass == system::Mass::lumped) refuse("eigen.mass", "rigid groups need \"consistent\"");
-  if (c.analysis != "dynamic") return;
+  if (c.analysis != Analysis::dynamic) return;
   if (c.dynamics.mass == system::Mass::consistent) refuse("time.mass", "rigid groups need \"lumped\"");
   if (c.time.options.method == solve::TimeOptions::Method::central_difference)
     refuse("time.method", "rigid groups need \"alpha\"");

@@ -16,8 +16,8 @@ namespace voile::input {
 namespace {
 
 /// Analyses that know no contact.
-bool has_contact(const std::string& analysis) {
-  return analysis == "static" || analysis == "dynamic" || analysis == "drape";
+bool has_contact(Analysis analysis) {
+  return analysis == Analysis::statics || analysis == Analysis::dynamic || analysis == Analysis::drape;
 }
 
 /// Names of the stages; each is a folder of its own.
@@ -84,11 +84,11 @@ void take_sew(const std::string& file, const toml::table& stage, StageSection& s
     if (!node.is_string()) fail_at(file, line, "[[stage]] sew: names of seams are texts in quotes");
     s.sew.push_back(*node.value<std::string>());
   }
-  if (s.analysis != "dynamic")
+  if (s.analysis != Analysis::dynamic)
     fail_at(file, line,
             fmt::format("[[stage]] '{}' sew: seams are closed in time, and analysis = \"{}\" has none; choose "
                         "\"dynamic\"",
-                        s.name, s.analysis));
+                        s.name, word_of(s.analysis)));
 }
 
 /// Whether an item with the key `stages` holds in a stage; takes the key away.
@@ -159,16 +159,17 @@ StageSection CaseReader::select_stage(std::size_t n) {
   const toml::node* analysis = stage.get("analysis");
   if (!analysis || !analysis->is_string())
     fail_at(file, line_of(stage.source()), fmt::format("[[stage]] '{}': the key analysis is missing", s.name));
-  s.analysis = *analysis->value<std::string>();
-  if (s.analysis == "linear" && n > 0)
+  const std::string word = *analysis->value<std::string>();
+  s.analysis = analysis_of(word, Analysis::statics);  // an unknown one is refused with the keys
+  if (s.analysis == Analysis::linear && n > 0)
     fail_at(file, line_of(analysis->source()),
             "analysis = \"linear\" starts from the unloaded state; make it the first stage, or choose \"static\"");
-  if (n > 0 && s.analysis == "dynamic" &&
+  if (n > 0 && s.analysis == Analysis::dynamic &&
       (*root["stage"].as_array()->get(n - 1)->as_table())["analysis"].value<std::string>() == "dynamic")
     refuse_late_velocities(file, root, s.name);
   take_sew(file, stage, s);
   take_tables(file, stage, root);
-  root.insert_or_assign("analysis", s.analysis);
+  root.insert_or_assign("analysis", word);
   for (const std::string& section : staged_items()) {
     std::vector<std::size_t> kept = select_items(file, section, root, s.name, names);
     if (section == "support")
@@ -182,7 +183,7 @@ StageSection CaseReader::select_stage(std::size_t n) {
     else if (section == "attachment")
       s.attachments = std::move(kept);
   }
-  if (s.analysis != "dynamic") root.erase("initial_velocity");
+  if (s.analysis != Analysis::dynamic) root.erase("initial_velocity");
   if (!has_contact(s.analysis))
     for (const char* section : {"contact", "obstacle", "contact_rule", "attachment"}) root.erase(section);
   root.erase("stage");

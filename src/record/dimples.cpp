@@ -61,7 +61,9 @@ Dimple deepest_dimple(const mesh::SurfaceMesh& mesh, const std::vector<char>& mi
 
 std::string dimple_warning(const input::Case& c, const energy::Sheet& sheet, const std::vector<double>& displacement) {
   const bool corrected = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
-  if (!corrected || !(c.analysis == "static" || c.analysis == "linear") || !is_pressed(c)) return "";
+  if (!corrected || !(c.analysis == input::Analysis::statics || c.analysis == input::Analysis::linear) ||
+      !is_pressed(c))
+    return "";
   const mesh::SurfaceMesh& mesh = sheet.mesh();
   const Dimple dimple = deepest_dimple(mesh, mirrored_vertices(c, mesh), displacement);
   if (!(dimple.depth > depth_limit)) return "";

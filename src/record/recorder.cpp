@@ -41,8 +41,8 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
       mesh_(&model.dofs().mesh()),
       root_(mpi::rank(model.dofs().comm()) == 0),
       probes_(std::in_place, c, model),
-      linear_(c.analysis == "linear"),
-      warnings_(linear_, c.analysis == "drape") {
+      linear_(c.analysis == input::Analysis::linear),
+      warnings_(linear_, c.analysis == input::Analysis::drape) {
   mpi::on_root(model.dofs().comm(), [&] {
     kept_.columns = columns();
     if (!has_folder()) return;
@@ -58,7 +58,7 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
     }
   });
   if (root_ && options.verbosity != Verbosity::quiet && !rewrites_progress())
-    fmt::print("{}", case_.analysis == "dynamic"
+    fmt::print("{}", case_.analysis == input::Analysis::dynamic
                          ? fmt::format("{:>6} {:>10} {:>9} {:>7} {:>10} {:>10} {:>9} {:>9}\n", "step", "time [s]",
                                        "taken", "newton", "residual", "kinetic", "elapsed", "left")
                          : fmt::format("{:>5} {:>10} {:>7} {:>10} {:>10} {:>9} {:>9}\n", "step", "load", "newton",
@@ -88,7 +88,7 @@ std::vector<std::string> Recorder::columns() const {
   std::vector<char> gases;
   for (const system::Gas& gas : model_->conditions().gases()) gases.push_back(gas.leaks() ? 1 : 0);
   std::vector<std::string> names =
-      names_of({.in_time = case_.analysis == "dynamic",
+      names_of({.in_time = case_.analysis == input::Analysis::dynamic,
                 .energy_balance = keeps_balance(),
                 .fabric = model_->potential().has_yarn_friction(),
                 .sewing = !case_.stage.sew.empty(),

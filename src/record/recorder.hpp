@@ -136,7 +136,9 @@ class Recorder {
   void say_form(const system::State& state, const solve::StepResult& r);
   [[nodiscard]] bool wants(const std::string& field) const;
   [[nodiscard]] bool has_folder() const { return !options_.output.empty(); }
-  [[nodiscard]] bool keeps_balance() const { return case_.analysis == "dynamic" && case_.output.energy_balance; }
+  [[nodiscard]] bool keeps_balance() const {
+    return case_.analysis == input::Analysis::dynamic && case_.output.energy_balance;
+  }
 
   const input::Case& case_;
   const RunOptions& options_;

@@ -105,7 +105,7 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
 
 void Recorder::say_form(const system::State& state, const solve::StepResult& r) {
   const bool is_first = case_.form.active && case_.stage.number == 0 && !dynamics_ && !linear_ &&
-                        case_.analysis != "drape" && r.taken == 0.0 && state.load_factor == 0.0;
+                        case_.analysis != input::Analysis::drape && r.taken == 0.0 && state.load_factor == 0.0;
   if (!is_first || std::exchange(said_form_, true)) return;
   const system::TriangleFields t = model_->triangle_fields(state.u);
   mpi::on_root(model_->dofs().comm(), [&] {
@@ -129,7 +129,8 @@ std::vector<Field> Recorder::fields(const system::State& state, const Wants& wan
 
 void Recorder::write_fields(results::StepFields step, Vec a, const Snapshot& s) {
   // Along a motion the worst state is passed in an instant.
-  const std::string place = case_.analysis == "static" ? fmt::format("load factor {:.4g}", step.load_factor) : "";
+  const std::string place =
+      case_.analysis == input::Analysis::statics ? fmt::format("load factor {:.4g}", step.load_factor) : "";
   for (Field& f : fields_of(
            a, s, [this](const std::string& name) { return wants(name); }, &place))
     step.fields.push_back(std::move(f));

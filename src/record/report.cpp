@@ -49,7 +49,7 @@ void print_header(const input::Case& c, const system::Model& model) {
 std::string state_text(const input::Case& c, const Summary& s) {
   if (c.finds_modes() && s.eigen.empty()) return "converged: the response at every frequency";
   if (c.finds_modes()) return fmt::format("converged: {} modes", s.eigen.size());
-  if (c.analysis == "dynamic") return "converged: every step";
+  if (c.analysis == input::Analysis::dynamic) return "converged: every step";
   return fmt::format("converged: residual {:.1e} of the forces{}", s.residual,
                      s.negative_pivots < 0    ? ""
                      : s.negative_pivots == 0 ? ", a stable equilibrium"
@@ -59,7 +59,7 @@ std::string state_text(const input::Case& c, const Summary& s) {
 /// What cells do not resolve; empty where it is not estimated.
 std::string resolved_text(const input::Case& c, const Summary& s) {
   const auto verdict = [](double x) { return x > error_limit ? "not resolved" : "resolved"; };
-  if (c.analysis == "harmonic" && s.mode_errors.empty())
+  if (c.analysis == input::Analysis::harmonic && s.mode_errors.empty())
     return "whether cells resolve the response is not estimated; give eigen.modes for that of its modes";
   if (!s.mode_errors.empty()) {
     double worst = 0.0;
@@ -72,7 +72,8 @@ std::string resolved_text(const input::Case& c, const Summary& s) {
   std::string parts;
   if (std::isfinite(e.bending)) parts += fmt::format(", that of bending by {}", percent_text(e.bending));
   if (std::isfinite(e.membrane)) parts += fmt::format(", that of stretching by {}", percent_text(e.membrane));
-  const bool late = c.analysis == "static" && e.whole <= error_limit && s.largest_recovery_error > error_limit;
+  const bool late =
+      c.analysis == input::Analysis::statics && e.whole <= error_limit && s.largest_recovery_error > error_limit;
   if (late) parts += fmt::format("; on the way the energy is off by {}", up_to_text(s.largest_recovery_error));
   return fmt::format("{}{}: by estimate the energy is off by {}{}", verdict(e.whole), late ? " at the end" : "",
                      percent_text(e.whole), parts);
@@ -150,12 +151,12 @@ double cpu_seconds(MPI_Comm comm) {
 void report_model(const input::Case& c, const RunOptions& options, const system::Model& model, bool first) {
   const bool talks = mpi::rank(options.comm) == 0 && options.verbosity != Verbosity::quiet;
   if (talks && first) print_header(c, model);
-  if (talks && c.is_staged()) fmt::print("stage '{}': {}\n", c.stage.name, c.analysis);
+  if (talks && c.is_staged()) fmt::print("stage '{}': {}\n", c.stage.name, input::word_of(c.analysis));
   if (first || c.stage.begins_anew) report_mesh(c, options, model);
   for (const std::string& text : setup::moving_rims(c, model))
     if (talks) fmt::print("note: {}\n", text);
   for (const std::string& text : setup::check_free_motions(c, model))
-    if (talks && c.analysis != "dynamic") fmt::print("note: {}\n", text);
+    if (talks && c.analysis != input::Analysis::dynamic) fmt::print("note: {}\n", text);
 }
 
 void report_end(const input::Case& c, const RunOptions& options, const Summary& s) {
@@ -177,8 +178,8 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
     if (!s.converged && !folder.empty())  // who names no folder asks for the reason
       fmt::print(stderr, "voile: {}not converged: {}; everything up to {} is in {}\n",
                  c.is_staged() ? fmt::format("stage '{}': ", c.stage.name) : "", s.reason,
-                 c.analysis == "dynamic" ? fmt::format("t = {:.6g} s", s.time)
-                                         : fmt::format("load factor {:.6g}", s.load_factor),
+                 c.analysis == input::Analysis::dynamic ? fmt::format("t = {:.6g} s", s.time)
+                                                        : fmt::format("load factor {:.6g}", s.load_factor),
                  folder);
   });
 }

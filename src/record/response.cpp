@@ -26,7 +26,7 @@ double highest_frequency(const input::HarmonicSection& section) {
 }
 
 bool counts(const input::Case& c, double value) {
-  return c.analysis != "harmonic" || value <= highest_frequency(c.harmonic);
+  return c.analysis != input::Analysis::harmonic || value <= highest_frequency(c.harmonic);
 }
 
 Eigen::Vector3cd von_mises_parts(const Eigen::Vector3cd& s) {

@@ -61,19 +61,20 @@ std::vector<std::string> check_free_motions(const input::Case& c, const system::
   Index drifting = 0;  // triangles
   for (const system::FreePiece& piece : free) drifting += piece.translations > 0 ? piece.triangles : 0;
   const std::string what = list(free, model.dofs().mesh().triangle_count());
-  const bool drifts = drifting > 0, moves = c.analysis == "dynamic" || c.vibrates();
+  const bool drifts = drifting > 0, moves = c.analysis == input::Analysis::dynamic || c.vibrates();
   // Pieces that touch only each other still drift.
   const bool contact = model.contact() && (!c.obstacles.empty() || drifting < model.dofs().mesh().triangle_count());
-  const bool linear = c.analysis == "linear" || c.analysis == "buckling";
+  const bool linear = c.analysis == input::Analysis::linear || c.analysis == input::Analysis::buckling;
   if (linear || (!moves && drifts && !contact))
-    throw UserError(fmt::format(
-        "{}: [[support]]: {}; with analysis = \"{}\" {}: add supports that hold it{}", c.file.string(), what,
-        c.analysis, linear ? "the equations then have no unique solution" : "nothing ends a free translation",
-        drifts && !linear ? ", or let it fall with \"dynamic\" onto something with [contact]" : ""));
+    throw UserError(
+        fmt::format("{}: [[support]]: {}; with analysis = \"{}\" {}: add supports that hold it{}", c.file.string(),
+                    what, input::word_of(c.analysis),
+                    linear ? "the equations then have no unique solution" : "nothing ends a free translation",
+                    drifts && !linear ? ", or let it fall with \"dynamic\" onto something with [contact]" : ""));
   if (moves) return {what};
   std::string remark = contact ? "only contact and loads can hold that"
                                : "only loads can hold that, as the weight of a sheet that hangs does";
-  if (c.analysis == "static")
+  if (c.analysis == input::Analysis::statics)
     remark += "; where that has no stiffness at the start, \"drape\" finds the equilibrium sooner";
   return {what + ": " + remark};
 }

@@ -116,7 +116,9 @@ std::string place_text(const Vec3& x) {
 }
 
 bool is_nonlinear(const input::Case& c) {
-  const auto one = [](const input::Case& stage) { return stage.analysis != "linear" && !stage.finds_modes(); };
+  const auto one = [](const input::Case& stage) {
+    return stage.analysis != input::Analysis::linear && !stage.finds_modes();
+  };
   return c.stages.empty() ? one(c) : std::any_of(c.stages.begin(), c.stages.end(), one);
 }
 

@@ -74,11 +74,12 @@ system::ModelInput model_input(MPI_Comm comm, const input::Case& c, KnownObstacl
           contact_input(comm, c, known),
           c.masses,
           c.springs,
-          c.analysis == "static" || (c.analysis == "drape" && !c.is_staged()),
+          c.analysis == input::Analysis::statics || (c.analysis == input::Analysis::drape && !c.is_staged()),
           sewing_of(c),
           std::move(attachments),
           seam_rules(c),
-          {c.temperatures, c.hinges, c.analysis != "dynamic", c.analysis == "linear" && c.stage.number == 0},
+          {c.temperatures, c.hinges, c.analysis != input::Analysis::dynamic,
+           c.analysis == input::Analysis::linear && c.stage.number == 0},
           rigid_groups(c),
           periodic_pairs(c)};
 }

@@ -132,7 +132,7 @@ system::State scatter(const results::Checkpoint& c, const system::Dofs& dofs) {
 }
 
 Checkpoints::Checkpoints(const input::Case& c, const std::filesystem::path& folder)
-    : every_(c.analysis == "dynamic" ? c.time.checkpoint_steps : 0),
+    : every_(c.analysis == input::Analysis::dynamic ? c.time.checkpoint_steps : 0),
       minutes_(c.time.checkpoint_minutes),
       file_(folder.empty() ? folder : folder / "checkpoint.h5") {}
 

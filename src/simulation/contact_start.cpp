@@ -105,9 +105,9 @@ void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
         "note: [contact]: the start lies inside the contact distance of {:.4g} m: {} pair(s), smallest gap {:.4g} m, "
         "{}; {}\n",
         contact.scene().input().options.distance, report.pairs, report.gap, report.nearest,
-        c.analysis != "dynamic" ? "the search moves them apart"
-        : settle_time > 0.0     ? fmt::format("they are let out within settle_time = {:g} s", settle_time)
-                                : "settle_time = 0 lets the barrier throw them apart");
+        c.analysis != input::Analysis::dynamic ? "the search moves them apart"
+        : settle_time > 0.0 ? fmt::format("they are let out within settle_time = {:g} s", settle_time)
+                            : "settle_time = 0 lets the barrier throw them apart");
   });
 }
 

@@ -20,7 +20,7 @@ namespace {
 /// The next time after `start` at which a support releases, or the end of the stage.
 double end_of_epoch(const input::Case& stage, double start) {
   double end = stage.time.options.end_time;
-  if (stage.analysis != "dynamic") return end;
+  if (stage.analysis != input::Analysis::dynamic) return end;
   for (const system::Support& s : stage.supports)
     if (s.release > start) end = std::min(end, s.release);
   for (const system::Attachment& s : stage.attachments)
@@ -66,7 +66,7 @@ Epoch::Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& m
                                                        [&](const auto& s) { return holds(s, start.time); }))),
       model_(comm, mesh, holding(std::move(input), frozen, start.time)),
       state_(scatter(start, model_.dofs())) {
-  if (stage.analysis == "dynamic" || stage.vibrates()) system::require_mass(model_);
+  if (stage.analysis == input::Analysis::dynamic || stage.vibrates()) system::require_mass(model_);
   if (lets_go_at(stage, start.time)) state_.a.reset();
   model_.couple(start.couplings);
   model_.potential().restore_slips(start.slips);
@@ -76,12 +76,12 @@ Epoch::Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& m
 }
 
 bool Epoch::ends_at(double time) const {
-  return stage_.analysis == "dynamic" && time >= end_ && end_ < stage_.time.options.end_time;
+  return stage_.analysis == input::Analysis::dynamic && time >= end_ && end_ < stage_.time.options.end_time;
 }
 
 void Epoch::prepare(Origin origin) {
   if (std::exchange(prepared_, true)) return;
-  const bool in_time = stage_.analysis == "dynamic";
+  const bool in_time = stage_.analysis == input::Analysis::dynamic;
   if (model_.contact()) model_.contact()->restore(in_time ? state_.contact : system::ContactMemory{});
   if (in_time || stage_.is_staged()) model_.set_time(state_.time);
   model_.potential().attachments().attach(state_.u, state_.anchors);
@@ -90,7 +90,7 @@ void Epoch::prepare(Origin origin) {
 }
 
 solve::Stepper& Epoch::make_stepper(const record::Recorder& recorder, Origin origin) {
-  const bool in_time = stage_.analysis == "dynamic";
+  const bool in_time = stage_.analysis == input::Analysis::dynamic;
   prepare(origin);
   in_time ? make_motion(origin) : make_path(recorder, origin);
   return *stepper_;
@@ -99,7 +99,7 @@ solve::Stepper& Epoch::make_stepper(const record::Recorder& recorder, Origin ori
 /// Supports of a later stage hold what they find where it is.
 void Epoch::take_hold(Origin origin) {
   const double factor = origin == Origin::stage ? 0.0 : state_.load_factor;
-  model_.conditions().take_hold(state_.u, stage_.analysis == "static" ? factor : state_.time, factor);
+  model_.conditions().take_hold(state_.u, stage_.analysis == input::Analysis::statics ? factor : state_.time, factor);
 }
 
 void Epoch::make_motion(Origin origin) {
@@ -127,9 +127,9 @@ void Epoch::make_path(const record::Recorder& recorder, Origin origin) {
     model_.conditions().set_load_factor(state_.load_factor);
     state_.in_equilibrium = solve::is_balanced(model_, state_.u);
   }
-  if (stage_.analysis == "linear") {
+  if (stage_.analysis == input::Analysis::linear) {
     stepper_ = std::make_unique<solve::LinearStep>(model_, steps.final_load_factor);
-  } else if (stage_.analysis == "drape") {
+  } else if (stage_.analysis == input::Analysis::drape) {
     stepper_ = std::make_unique<solve::Drape>(model_, stage_.drape);
   } else if (stage_.finds_modes() && stage_.eigen.load_factor == 0.0) {
     const auto is_constant = [](const auto& acting) { return acting.constant; };

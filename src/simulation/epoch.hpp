@@ -43,7 +43,7 @@ class Epoch {
   /// Whether another epoch of the stage begins at this time.
   [[nodiscard]] bool ends_at(double time) const;
   [[nodiscard]] std::size_t support_count() const { return supports_; }
-  [[nodiscard]] bool moves() const { return stage_.analysis == "dynamic"; }
+  [[nodiscard]] bool moves() const { return stage_.analysis == input::Analysis::dynamic; }
 
  private:
   void take_hold(Origin origin);

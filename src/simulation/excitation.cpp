@@ -74,8 +74,8 @@ Course course_of(const system::Field& f, const Vec3& x, double at) {
 }  // namespace
 
 void require_straight(const input::Case& c, const mesh::SurfaceMesh& mesh) {
-  const bool harmonic = c.analysis == "harmonic" && c.harmonic.excitation == Section::Excitation::loads;
-  if (!harmonic && c.analysis != "buckling") return;
+  const bool harmonic = c.analysis == input::Analysis::harmonic && c.harmonic.excitation == Section::Excitation::loads;
+  if (!harmonic && c.analysis != input::Analysis::buckling) return;
   const auto check = [&](const system::Field& f, const char* key) {
     if (!f.in_time || !f.value) return;
     Course all;
@@ -88,7 +88,7 @@ void require_straight(const input::Case& c, const mesh::SurfaceMesh& mesh) {
         fmt::format("{}: {} = \"{}\": analysis = \"{}\" takes by how much it grows with the load factor at "
                     "eigen.load_factor = {:g}, where it "
                     "{}; give a number, or a multiple of t",
-                    c.file.string(), key, f.text, c.analysis, c.eigen.load_factor,
+                    c.file.string(), key, f.text, input::word_of(c.analysis), c.eigen.load_factor,
                     all.straight ? "does not change with t" : "is no straight line of t"));
   };
   for (const system::Temperature& t : c.temperatures) {
@@ -100,7 +100,7 @@ void require_straight(const input::Case& c, const mesh::SurfaceMesh& mesh) {
 
 void require_excitation(const input::Case& c, const system::Model& model) {
   require_straight(c, model.dofs().mesh());
-  if (c.analysis != "harmonic") return;
+  if (c.analysis != input::Analysis::harmonic) return;
   const std::string file = c.file.string();
   if (c.harmonic.excitation == Section::Excitation::loads) {
     if (!model.conditions().has_prescribed()) return;

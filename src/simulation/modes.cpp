@@ -148,7 +148,8 @@ constexpr int first_modes = 10, most_modes = 640;
 
 /// Modes of vibration, as many as the case says or the highest frequency of its response needs.
 VibrationModes find_vibration(const input::Case& c, system::Model& model, Vec a) {
-  const bool direct = c.analysis == "harmonic" && c.harmonic.method == input::HarmonicSection::Method::direct;
+  const bool direct =
+      c.analysis == input::Analysis::harmonic && c.harmonic.method == input::HarmonicSection::Method::direct;
   VibrationModes found{solve::MassMatrix(model, a, c.eigen.mass), system::rigid_inertia(model, a, c.eigen.mass), {}};
   if (c.eigen.modes > 0) found.result = solve::vibration_modes(model, a, c.eigen.modes, found.mass.mat());
   if (c.eigen.modes > 0 || direct) return found;
@@ -241,7 +242,7 @@ void run_modes(const input::Case& c, const record::RunOptions& options, system::
     if (!parts.empty() && mpi::rank(model.dofs().comm()) == 0 && options.verbosity != record::Verbosity::quiet)
       fmt::print("{}\n", carried_text(parts, found.inertia.mass));
   }
-  if (c.analysis == "harmonic" && summary.converged) run_harmonic(c, options, model, a, found, summary);
+  if (c.analysis == input::Analysis::harmonic && summary.converged) run_harmonic(c, options, model, a, found, summary);
 }
 
 }  // namespace voile::simulation

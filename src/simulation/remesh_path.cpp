@@ -10,7 +10,8 @@ namespace voile::simulation {
 /// Under a given load without contact: the equilibrium of the new mesh is near, and relaxation would only be on the way.
 /// False where it was not found, or where the load is not what is followed. Collective.
 bool Remesher::find_equilibrium_nearby(Epoch& fresh) const {
-  if (stage_.c.analysis != "static" || stage_.c.steps.control != solve::StaticOptions::Control::load) return false;
+  if (stage_.c.analysis != input::Analysis::statics || stage_.c.steps.control != solve::StaticOptions::Control::load)
+    return false;
   if (fresh.model().contact()) return false;
   return solve::regain_equilibrium(fresh.model(), fresh.state()).outcome != solve::Outcome::failed;
 }

@@ -46,7 +46,7 @@ double Remesher::negligible_energy(const Epoch& epoch) {
 /// more. The same on every rank. Collective.
 double Remesher::energy_change(const Ledger& before, const Ledger& after, Epoch& fresh) const {
   const double size = std::max({std::abs(before.total()), std::abs(after.total()), negligible_energy(fresh)});
-  const bool moves = stage_.c.analysis == "dynamic";
+  const bool moves = stage_.c.analysis == input::Analysis::dynamic;
   const double loads = moves ? 0.0 : after.energies.external - before.energies.external;
   std::vector<double> change{(after.total() - before.total() + loads) / size};
   mpi::broadcast(fresh.model().dofs().comm(), change);
@@ -80,7 +80,7 @@ petsc::VecHandle Remesher::inertia_force(Epoch& old_epoch, Epoch& fresh, const N
 /// goes on until its energy is not above the old one, since what is left would lead the search elsewhere. Returns the
 /// change of energy. Collective.
 double Remesher::settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before, const NewMesh& made) {
-  const bool moves = fresh.state().v, drapes = stage_.c.analysis == "drape";
+  const bool moves = fresh.state().v, drapes = stage_.c.analysis == input::Analysis::drape;
   solve::RelaxationOptions options{solve::relaxation_time(fresh.model()), keys_.relaxation_steps};
   petsc::VecHandle inertia;
   if (moves) {

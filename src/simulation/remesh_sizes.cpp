@@ -237,11 +237,12 @@ std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
 }
 
 int Remesher::every() const {
-  return keys_.every > 0 ? keys_.every : stage_.c.analysis == "dynamic" ? 5 : 1;
+  return keys_.every > 0 ? keys_.every : stage_.c.analysis == input::Analysis::dynamic ? 5 : 1;
 }
 
 bool Remesher::due(Epoch& epoch, bool finished) {
-  const bool drapes = stage_.c.analysis == "drape", moves = stage_.c.analysis == "dynamic";
+  const bool drapes = stage_.c.analysis == input::Analysis::drape,
+             moves = stage_.c.analysis == input::Analysis::dynamic;
   if (drapes ? !finished : epoch.state().step % every() != 0 && !(finished && !moves)) return false;
   if (!drapes && epoch.state().step < epoch.state().remeshings.next_step) return false;
   if (finished && moves) return false;
@@ -366,7 +367,7 @@ void rename_probes(const input::Case& c, const mesh::SurfaceMesh& first, mesh::M
 
 std::string remesh_outlook(const Stage& stage, const std::shared_ptr<const mesh::SurfaceMesh>& mesh, Epoch& epoch) {
   Remesher remesher(stage, mesh);
-  const bool drapes = stage.c.analysis == "drape", due = remesher.due(epoch, drapes);
+  const bool drapes = stage.c.analysis == input::Analysis::drape, due = remesher.due(epoch, drapes);
   const adapt::SizeOptions o = options_of(stage, *mesh);
   std::string text = "the start mesh suits the start";
   if (due)

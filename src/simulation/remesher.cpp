@@ -254,7 +254,7 @@ std::optional<RemeshResult> Remesher::attempt(Epoch& epoch, const std::vector<do
     accepted = pairs.empty();
     if (!accepted) what = fmt::format("the new surface would intersect: {}", pairs);
   }
-  const bool is_path = stage_.c.analysis == "static";
+  const bool is_path = stage_.c.analysis == input::Analysis::statics;
   if (is_path && !at_rest && !found) accepted = accepted && find_equilibrium(epoch, fresh, what);
   // Potentials are compared under the same loads.
   if (is_path) fresh.model().conditions().set_load_factor(epoch.state().load_factor);
@@ -265,7 +265,7 @@ std::optional<RemeshResult> Remesher::attempt(Epoch& epoch, const std::vector<do
   if (is_path) change = energy_change(before, after, fresh);
   // Paths and draping go on to an equilibrium: less energy is what a finer mesh is for. A motion must neither gain nor
   // lose any.
-  if (accepted && (stage_.c.analysis == "dynamic" ? std::abs(change) : change) > keys_.energy_change) {
+  if (accepted && (stage_.c.analysis == input::Analysis::dynamic ? std::abs(change) : change) > keys_.energy_change) {
     what = text_of_change(change, before, after);
     accepted = false;
   }

@@ -43,7 +43,7 @@ results::Checkpoint read_any(const input::Case& wanted, const record::RunOptions
   results::StoredStep stored = results::read_step(options.restart, options.restart_step, mesh);
   const bool shape_only = stored.in_motion && stored.velocity.empty();
   // A motion would begin anew at time 0, and what moves jump back to where it was then.
-  if (shape_only && wanted.analysis == "dynamic")
+  if (shape_only && wanted.analysis == input::Analysis::dynamic)
     throw UserError(
         fmt::format("--restart {}: its step {} is of a motion, but `velocity` is not among the fields; use a "
                     "checkpoint.h5, or results of a run with `velocity` in [output] fields",
@@ -81,7 +81,7 @@ void check_size(const record::RunOptions& options, const results::Checkpoint& s,
 
 /// What of a state the analysis goes on with. Rank 0 only.
 void begin_anew(const input::Case& c, results::Checkpoint& s) {
-  const bool moves = !s.velocity.empty(), in_time = c.analysis == "dynamic";
+  const bool moves = !s.velocity.empty(), in_time = c.analysis == input::Analysis::dynamic;
   if (moves != in_time) {
     s.step = s.remeshing_wait = s.remeshing_step = 0;
     s.time = s.next_step = 0.0;
@@ -92,10 +92,10 @@ void begin_anew(const input::Case& c, results::Checkpoint& s) {
     s.energy_balance.clear();
   }
   if (moves != in_time) s.step_start.clear();
-  if (s.step_start.empty() && (moves || in_time || c.analysis == "drape")) s.previous.clear();
+  if (s.step_start.empty() && (moves || in_time || c.analysis == input::Analysis::drape)) s.previous.clear();
   if (s.previous.empty()) s.path.clear();
   if (!s.path.empty()) s.path.front() = 0.0;  // `max_steps` counts anew
-  if (c.analysis != "drape") return;
+  if (c.analysis != input::Analysis::drape) return;
   s.step = s.remeshing_wait = s.remeshing_step = 0;
   s.load_factor = 0.0;
 }
@@ -113,7 +113,7 @@ void say_differences(const input::Case& c, const record::RunOptions& options, co
       fmt::print("note: --restart {}: its run had another {}\n", options.restart.string(), d.text);
   }
   if (options.verbosity == record::Verbosity::quiet) return;
-  if (c.analysis == "dynamic" && results::is_results(options.restart) && !s.velocity.empty())
+  if (c.analysis == input::Analysis::dynamic && results::is_results(options.restart) && !s.velocity.empty())
     fmt::print(
         "note: --restart {}: results have no accelerations, so that the motion goes on a little differently; "
         "checkpoint.h5 has "
@@ -213,7 +213,7 @@ std::shared_ptr<const mesh::SurfaceMesh> mesh_of_start(const input::Case& c, con
 results::Checkpoint read_start(const input::Case& c, const record::RunOptions& options, const mesh::SurfaceMesh& mesh,
                                Origin origin) {
   results::Checkpoint start;
-  if (!options.restart.empty() && c.analysis == "linear")
+  if (!options.restart.empty() && c.analysis == input::Analysis::linear)
     throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
   if (options.restart.empty()) {
     start.displacement = start_shape(options.comm, c, mesh);
@@ -279,13 +279,13 @@ void enter_stage(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& m
     state.step_start.clear();
     state.path.clear();
     state.energy_balance.clear();
-    if (c.analysis != "dynamic" && c.analysis != "drape") {
+    if (c.analysis != input::Analysis::dynamic && c.analysis != input::Analysis::drape) {
       state.load_factor = 0.0;
       state.in_equilibrium = false;
     }
   }
   mpi::on_root(comm, [&] {
-    if (c.analysis == "dynamic" && state.velocity.empty()) state.velocity = initial_velocities(c, mesh);
+    if (c.analysis == input::Analysis::dynamic && state.velocity.empty()) state.velocity = initial_velocities(c, mesh);
   });
 }
 

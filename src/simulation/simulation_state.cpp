@@ -82,7 +82,7 @@ Energy Simulation::energy() const {
   const Call call(*impl_);
   system::Model& model = impl_->model();
   const system::State& state = impl_->state();
-  const bool linear = impl_->run->stage().stage().c.analysis == "linear";
+  const bool linear = impl_->run->stage().stage().c.analysis == input::Analysis::linear;
   const system::Energies e =
       linear ? record::LinearValues(model, state.u).energies() : system::energies(model, state.u);
   Energy all{e.membrane, e.bending, e.contact, e.springs, e.external};

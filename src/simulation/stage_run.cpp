@@ -31,18 +31,18 @@ record::Summary summary_of(const solve::RunStatistics& all, const system::State&
   s.angle_triangles = setup::angle_triangles(model.discretisation().sheet());
   s.reason = all.reason;
   s.load_factor = state.load_factor;
-  s.steps = c.analysis == "static" ? state.step : all.steps;
+  s.steps = c.analysis == input::Analysis::statics ? state.step : all.steps;
   s.newton_iterations = all.newton_iterations;
   s.factorisations = all.factorisations;
   s.iterative = all.iterative;
   s.critical = all.critical;
   s.time = state.time;
-  if (c.analysis == "dynamic") s.balance = state.balance;
+  if (c.analysis == input::Analysis::dynamic) s.balance = state.balance;
   s.negative_pivots = all.newton.negative_pivots;
   s.eigenvalue = all.eigenvalue;
   // Path following goes along unstable branches on purpose.
-  s.unstable = c.analysis == "static" && c.steps.control == solve::StaticOptions::Control::load && s.converged &&
-               s.negative_pivots > 0;
+  s.unstable = c.analysis == input::Analysis::statics && c.steps.control == solve::StaticOptions::Control::load &&
+               s.converged && s.negative_pivots > 0;
   s.residual = all.newton.residual;
   s.unknowns = model.dofs().unknowns();
   s.vertices = model.dofs().mesh().vertex_count();
@@ -207,7 +207,7 @@ record::Summary StageRun::end() {
     all_.completed = all_.reason.empty();
   }
   record::Summary summary = summary_of(all_, state, c, model);
-  if (all_.interrupted && c.analysis == "dynamic")
+  if (all_.interrupted && c.analysis == input::Analysis::dynamic)
     summary.reason = checkpoints_.file().empty()
                          ? all_.reason
                          : fmt::format("stopped by a signal; continue with --restart {}", checkpoints_.file().string());
@@ -220,12 +220,13 @@ record::Summary StageRun::end() {
   summary.failure = recorder_.failure();
   summary.recovery_error = recorder_.recovery_error().last();
   summary.largest_recovery_error = recorder_.recovery_error().largest();
-  if (c.analysis == "dynamic") {
+  if (c.analysis == input::Analysis::dynamic) {
     summary.kinetic = recorder_.kinetic();
     summary.round_off_energy = record::round_off_energy(model.discretisation().sheet());
   }
   if (system::Contact* contact = model.contact()) summary.contact = system::report(contact->scene(), state.u);
-  if (!c.panels.empty() && c.analysis != "linear") summary.garment = record::measure_garment(c, model, state);
+  if (!c.panels.empty() && c.analysis != input::Analysis::linear)
+    summary.garment = record::measure_garment(c, model, state);
   summary.wall_seconds = recorder_.wall_seconds();
   summary.cpu_seconds = record::cpu_seconds(comm()) - cpu_before_;
   record::report_end(c, stage_.options, summary);

@@ -51,7 +51,7 @@ void take_options(MPI_Comm comm, input::Case& c) {
     std::erase_if(c.steps.stops, [&](double stop) { return stop > c.eigen.load_factor; });
   }
   const double end = c.time.options.end_time;
-  if (c.analysis == "dynamic") solve::read_time_options(c.time.options);
+  if (c.analysis == input::Analysis::dynamic) solve::read_time_options(c.time.options);
   if (c.is_staged()) c.time.options.end_time = std::min(c.time.options.end_time, end);  // -ts_max_time is for all
 }
 
@@ -59,7 +59,7 @@ void take_options(MPI_Comm comm, input::Case& c) {
 void check_times(const std::vector<input::Case>& stages) {
   double time = 0.0;
   for (const input::Case& c : stages) {
-    if (c.analysis != "dynamic") continue;
+    if (c.analysis != input::Analysis::dynamic) continue;
     const double end = c.time.options.end_time;
     if (end <= time)
       throw UserError(
@@ -79,7 +79,7 @@ std::size_t place_of(std::size_t number, const std::vector<std::size_t>& numbers
 
 /// Something of this stage is what the end of that path has made of it.
 void hold_at_end(const input::Case& before, Stage& now) {
-  if (before.analysis == "static") now.held_at = before.steps.final_load_factor;
+  if (before.analysis == input::Analysis::statics) now.held_at = before.steps.final_load_factor;
 }
 
 /// A support that has moved in time before goes on so. What its `value` comes to under a history counts from there, as its motion does.
@@ -96,7 +96,7 @@ void hold_over(const input::Case& before, const Support& was, Support& now) {
   now.value = Vec3::Zero();
   now.motion = was.motion;
   now.rotation = was.rotation;
-  if (before.analysis != "static") return;
+  if (before.analysis != input::Analysis::statics) return;
   // It has moved with the load factor, and stays where that has brought it.
   now.motion = nullptr;
   if (was.rotation) now.rotation = [turned = was.rotation(before.steps.final_load_factor)](double) { return turned; };
@@ -112,19 +112,21 @@ bool holds_slopes(const input::Case& before, const Support& s) {
 void hold_over_supports(const Stage& before, Stage& now) {
   const std::vector<std::size_t>& numbers = now.c.stage.supports;
   now.frozen.assign(numbers.size(), 0);
-  now.in_time.assign(numbers.size(), now.c.analysis == "dynamic" ? 1 : 0);
+  now.in_time.assign(numbers.size(), now.c.analysis == input::Analysis::dynamic ? 1 : 0);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     Support& s = now.c.supports[i];
     const std::size_t was = place_of(numbers[i], before.c.stage.supports);
     if (was != npos) {
       const bool moved = before.in_time[was] != 0;
-      now.in_time[i] = moved || (now.c.analysis == "dynamic" && before.c.analysis != "static") ? 1 : 0;
-      if (moved && now.c.analysis == "dynamic")
+      now.in_time[i] =
+          moved || (now.c.analysis == input::Analysis::dynamic && before.c.analysis != input::Analysis::statics) ? 1
+                                                                                                                 : 0;
+      if (moved && now.c.analysis == input::Analysis::dynamic)
         go_on(now.c, s);
       else
         hold_over(before.c, before.c.supports[was], s);
       if (before.c.supports[was].rotation) hold_at_end(before.c, now);
-      now.frozen[i] = now.c.analysis == "static" ? 1 : 0;
+      now.frozen[i] = now.c.analysis == input::Analysis::statics ? 1 : 0;
     } else if ((s.kind == Support::Kind::clamped || s.kind == Support::Kind::sliding ||
                 s.kind == Support::Kind::symmetry) &&
                !holds_slopes(before.c, s)) {
@@ -138,15 +140,17 @@ void hold_over_supports(const Stage& before, Stage& now) {
 
 /// What a stage has scaled its loads by at its end.
 double factor_at_end(const input::Case& c) {
-  if (c.analysis == "dynamic" && c.dynamics.load_history) return c.dynamics.load_history(c.time.options.end_time);
-  return c.analysis == "dynamic" || c.analysis == "drape" ? 1.0 : c.steps.final_load_factor;
+  if (c.analysis == input::Analysis::dynamic && c.dynamics.load_history)
+    return c.dynamics.load_history(c.time.options.end_time);
+  return c.analysis == input::Analysis::dynamic || c.analysis == input::Analysis::drape ? 1.0
+                                                                                        : c.steps.final_load_factor;
 }
 
 /// A motion or a drape takes its loads in full: after a path that ends elsewhere that is a sudden load. Empty if there is none.
 std::string sudden_loads(const input::Case& before, const input::Case& now) {
   const double factor = before.steps.final_load_factor;
-  const bool moves = now.analysis == "dynamic" || now.analysis == "drape";
-  if (!moves || before.analysis != "static" || factor == 1.0) return {};
+  const bool moves = now.analysis == input::Analysis::dynamic || now.analysis == input::Analysis::drape;
+  if (!moves || before.analysis != input::Analysis::statics || factor == 1.0) return {};
   for (std::size_t i = 0; i < now.stage.loads.size(); ++i) {
     const std::size_t was = place_of(now.stage.loads[i], before.stage.loads);
     if (was == npos || before.loads[was].constant || now.loads[i].history) continue;
@@ -160,7 +164,7 @@ std::string sudden_loads(const input::Case& before, const input::Case& now) {
 
 /// Loads stay at what the stage before has brought them to, unless they have a history.
 void hold_over_loads(const Stage& before, Stage& now) {
-  if (now.c.analysis != "static" && !now.c.finds_modes()) return;
+  if (now.c.analysis != input::Analysis::statics && !now.c.finds_modes()) return;
   for (std::size_t i = 0; i < now.c.stage.loads.size(); ++i) {
     const std::size_t was = place_of(now.c.stage.loads[i], before.c.stage.loads);
     Load& load = now.c.loads[i];
@@ -177,13 +181,13 @@ void hold_over_loads(const Stage& before, Stage& now) {
 
 /// Holds what grew in the stage before, with what it had been held at before that.
 void hold(const Stage& before, const Field& old, bool was_constant, Stage& now, Field& f, bool& constant) {
-  const bool was_in_time = old.resumes || (old.in_time && before.c.analysis == "dynamic");
-  if (!f.value || (was_in_time && now.c.analysis == "dynamic")) return;
+  const bool was_in_time = old.resumes || (old.in_time && before.c.analysis == input::Analysis::dynamic);
+  if (!f.value || (was_in_time && now.c.analysis == input::Analysis::dynamic)) return;
   f.resumes = was_in_time;
-  const bool grows = now.c.analysis == "static" || now.c.finds_modes();
+  const bool grows = now.c.analysis == input::Analysis::statics || now.c.finds_modes();
   if (old.in_time) {
-    const double end =
-        before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.c.steps.final_load_factor;
+    const double end = before.c.analysis == input::Analysis::dynamic ? before.c.time.options.end_time
+                                                                     : before.c.steps.final_load_factor;
     f.value = [value = old.value, end](const Vec3& x, double) { return value(x, end); };
     hold_at_end(before.c, now);
   } else if (grows || f.in_time) {
@@ -228,7 +232,7 @@ void rise_bands(const Stage* before, Stage& now) {
     if (was != npos) {
       band.start = before->input.springs[was].start;
       band.rise = before->input.springs[was].rise;
-    } else if (now.c.analysis == "dynamic") {
+    } else if (now.c.analysis == input::Analysis::dynamic) {
       band.start = before ? now.input.sewing.start : 0.0;
       if (std::isnan(band.rise)) band.rise = now.sewn_before.empty() ? 0.0 : usual_rise;
     }
@@ -256,7 +260,7 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
   const auto add = [&](const input::Case& one, const std::filesystem::path& folder) {
     Stage s{one, options, {}, std::vector<char>(one.supports.size(), 0)};
     s.options.output = folder;
-    s.in_time.assign(one.supports.size(), one.analysis == "dynamic" ? 1 : 0);
+    s.in_time.assign(one.supports.size(), one.analysis == input::Analysis::dynamic ? 1 : 0);
     name_modes(options, s.c);
     take_options(options.comm, s.c);
     if (one.stage.continues()) {
@@ -271,7 +275,7 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
     if (!one.stage.attachments.empty() && one.attachments.empty()) {
       const std::string text =
           fmt::format("stage '{}': [[attachment]] holds nothing where there is no contact, with analysis = \"{}\"",
-                      one.stage.name, one.analysis);
+                      one.stage.name, input::word_of(one.analysis));
       s.c.notes.push_back(text);
       if (!stages.empty()) stages.front().c.notes.push_back(text);
     }
@@ -281,7 +285,7 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
       s.sewn_before = before.sewn_before;
       s.sewn_before.insert(s.sewn_before.end(), before.c.stage.sew.begin(), before.c.stage.sew.end());
       s.input.sewing.start =
-          before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.input.sewing.start;
+          before.c.analysis == input::Analysis::dynamic ? before.c.time.options.end_time : before.input.sewing.start;
     }
     rise_bands(one.stage.continues() ? &stages.back() : nullptr, s);
     stages.push_back(std::move(s));
@@ -334,7 +338,7 @@ void require_growth(const input::Case& c, const system::Model& model) {
   const auto warms = [](const system::Temperature& t) {
     return !t.constant || t.change.in_time || t.difference.in_time;
   };
-  if (c.analysis != "buckling" || model.conditions().has_prescribed() || !c.hinges.empty() ||
+  if (c.analysis != input::Analysis::buckling || model.conditions().has_prescribed() || !c.hinges.empty() ||
       std::any_of(c.loads.begin(), c.loads.end(), load_grows) ||
       std::any_of(c.temperatures.begin(), c.temperatures.end(), warms))
     return;
@@ -347,7 +351,7 @@ void require_growth(const input::Case& c, const system::Model& model) {
 
 void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {
   const system::Model model(stage.options.comm, mesh, stage.input);
-  if (stage.c.vibrates() || stage.c.analysis == "dynamic") system::require_mass(model);
+  if (stage.c.vibrates() || stage.c.analysis == input::Analysis::dynamic) system::require_mass(model);
   (void)setup::check_free_motions(stage.c, model);
   require_excitation(stage.c, model);
   require_growth(stage.c, model);

@@ -121,7 +121,7 @@ TEST_CASE("arcs have their whole curvature by angles, and folds grow with the sq
     const Vec3 x = mesh.positions()[v];
     return Vec3(radius * std::sin(x[0] / radius) - x[0], 0.0, radius * (1.0 - std::cos(x[0] / radius)));
   });
-  const system::TriangleFields fields = model.potential().triangle_fields(a);
+  const system::TriangleFields fields = model.triangle_fields(a);
   if (mpi::rank(PETSC_COMM_WORLD) == 0)
     for (Index t = 0; t < mesh.triangle_count(); ++t) {
       bool inside = true;

@@ -48,7 +48,7 @@ Bent bend(const mesh::MeshData& data, energy::MembraneOperator membrane = energy
     return rolled(x) - x;
   };
   set_displacement(model, a, place);
-  const system::TriangleFields fields = model.potential().triangle_fields(a);
+  const system::TriangleFields fields = model.triangle_fields(a);
   Bent b;
   if (mpi::rank(PETSC_COMM_WORLD) != 0) return b;
   const energy::Sheet& sheet = model.discretisation().sheet();
@@ -154,7 +154,7 @@ TEST_CASE("the energy of bending is that of the curvatures and that of second de
     petsc::VecHandle a = model.dofs().create_vector();
     set_displacement(model, a, noise(0.01, 7));
     const double bending = system::energies(model, a).bending;
-    const system::TriangleFields f = model.potential().triangle_fields(a);
+    const system::TriangleFields f = model.triangle_fields(a);
     if (mpi::rank(PETSC_COMM_WORLD) != 0) continue;
     double normal = 0.0, in_plane = 0.0;
     for (Index t = 0; t < mesh.triangle_count(); ++t) {

@@ -124,7 +124,7 @@ TEST_CASE("a flat laminate that is stretched and bent evenly has the forces and 
     const energy::Material& m = in.materials[0];
     const Vec3 force = m.membrane * strain - m.coupling * curvature,
                moment = m.bending * curvature - m.coupling * strain;
-    const system::TriangleFields f = model.potential().triangle_fields(a);
+    const system::TriangleFields f = model.triangle_fields(a);
     for (std::size_t i = 0; i < f.membrane_force.size(); ++i) {
       const auto t = static_cast<Index>(i / 3);
       if (mesh.neighbour(t, 0) == no_index || mesh.neighbour(t, 1) == no_index || mesh.neighbour(t, 2) == no_index)

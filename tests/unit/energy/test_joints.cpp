@@ -135,7 +135,7 @@ std::pair<double, double> patch_test(const Fan& f, Pattern pattern) {
   VOILE_PETSC(MatMult(model.tangent().matrix(), u, force));
   const double amplitude = 1e-6;
   set_displacement(model, u, state.displacement(amplitude));
-  std::vector<double> moments = model.potential().triangle_fields(u).bending_moment;
+  std::vector<double> moments = model.triangle_fields(u).bending_moment;
   mpi::broadcast(PETSC_COMM_WORLD, moments);
   for (double& m : moments) m /= amplitude;
   return {state.unbalanced(per_vertex(model, force)), state.error_of(moments)};
@@ -309,7 +309,7 @@ TEST_CASE("joined sheets are the same on all ranks as on one") {
       model.assemble_tangent(a, {.kind = energy::Tangent::exact});
       VOILE_PETSC(MatMult(model.tangent().matrix(), d, r));
       for (const Vec3& x : per_vertex(model, r)) values.push_back(x);
-      std::vector<double> moments = model.potential().triangle_fields(a).bending_moment;
+      std::vector<double> moments = model.triangle_fields(a).bending_moment;
       mpi::broadcast(comm, moments);
       for (const double m : moments) values.emplace_back(m, 0.0, 0.0);
       values.emplace_back(model.energy(a), 0.0, 0.0);

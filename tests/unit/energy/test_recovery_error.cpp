@@ -234,7 +234,7 @@ Estimate estimate(Pattern pattern, int n, const std::function<Vec3(const Vec3&)>
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   petsc::VecHandle a = model.dofs().create_vector();
   set_displacement(model, a, [&](Index v) { return u(mesh.positions()[v]); });
-  const system::TriangleFields fields = model.potential().triangle_fields(a);
+  const system::TriangleFields fields = model.triangle_fields(a);
   record::DiscretisationError error;
   const record::DiscretisationError::Densities d = error.judged(model, fields, {"", linear ? 0.0 : record::no_strain});
   Estimate e{error.last().whole, error.warning(), 0.0, d.bending.size()};

@@ -39,7 +39,7 @@ std::string error_after(const std::string& from, const std::string& to) {
 
 TEST_CASE("a minimal case has the defaults") {
   const input::Case c = parse_case(minimal, "folder/case.toml");
-  CHECK(c.analysis == "static");
+  CHECK(c.analysis == input::Analysis::statics);
   CHECK(c.mesh.file == std::filesystem::absolute("folder/plate.geo"));
   CHECK(c.mesh.options.scale == 1.0);
   CHECK(c.element.bending == energy::BendingOperator::edge_slope);

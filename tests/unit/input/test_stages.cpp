@@ -88,7 +88,7 @@ TEST_CASE("each stage is a case with its own tables, without what does not hold 
   const input::Case &drape = c.stages[0], &pull = c.stages[1], &rest = c.stages[2];
   CHECK(drape.stage.name == "drape");
   CHECK(pull.stage.number == 1);
-  CHECK(rest.analysis == "modal");
+  CHECK(rest.analysis == input::Analysis::modal);
   CHECK(drape.supports.size() == 1);
   CHECK(pull.stage.supports == std::vector<std::size_t>{0, 1});
   CHECK(pull.supports[1].motion);

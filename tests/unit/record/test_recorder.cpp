@@ -25,7 +25,7 @@ TEST_CASE("a state that intersects is counted and recorded, and ends the run") {
   input.contact.obstacles = {ball};
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   input::Case c;
-  c.analysis = "static";
+  c.analysis = input::Analysis::statics;
   c.contact.input = input.contact;
   record::RunOptions options;
   options.verbosity = record::Verbosity::quiet;

@@ -251,7 +251,7 @@ TEST_CASE("curvature by angles is per length at rest of each panel, beside the t
   system::Model rolled(PETSC_COMM_WORLD, bent_mesh, in);
   const petsc::VecHandle none = rolled.dofs().create_vector();
   CHECK(system::energies(rolled, none).bending == relative(system::energies(model, a).bending).epsilon(1e-10));
-  const system::TriangleFields fields = model.potential().triangle_fields(a);
+  const system::TriangleFields fields = model.triangle_fields(a);
   if (mpi::rank(PETSC_COMM_WORLD) > 0) return;
   int found = 0;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
@@ -285,7 +285,7 @@ TEST_CASE("a panel larger than its place is compressed, up to the seam; too larg
   const mesh::SurfaceMesh mesh(enlarged(1.1));
   system::Model model(PETSC_COMM_WORLD, mesh, free_sheet(0.3));
   const petsc::VecHandle a = model.dofs().create_vector();
-  const std::vector<double> strain = model.potential().triangle_fields(a).membrane_strain;
+  const std::vector<double> strain = model.triangle_fields(a).membrane_strain;
   for (std::size_t i = 0; i < strain.size(); ++i) {
     const auto t = static_cast<Index>(i / 3);
     // The gradients of the two sides of an edge, each on its own rest shape, weighted by rest areas.

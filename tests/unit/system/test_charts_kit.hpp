@@ -60,7 +60,7 @@ inline Answers ask(system::Model& model, const std::function<Vec3(Index)>& state
   all.mass = per_vertex(model, model.potential().constant().mass());
   const system::Energies e = system::energies(model, a);
   all.energies = {e.membrane, e.bending, e.external, e.springs};
-  all.fields = model.potential().triangle_fields(a);
+  all.fields = model.triangle_fields(a);
   return all;
 }
 

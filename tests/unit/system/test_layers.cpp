@@ -130,7 +130,7 @@ TEST_CASE("tension of a seam of three layers: of its own edge as long as it is o
       for (const Index v : mesh.group(piece, 2).vertices) places[v][1] = (1.0 + e) * mesh.positions()[v][1];
     const petsc::VecHandle u = model.dofs().create_vector();
     set_displacement(model, u, [&](Index v) { return Vec3(places[v] - mesh.positions()[v]); });
-    const system::TriangleFields fields = model.potential().triangle_fields(u);
+    const system::TriangleFields fields = model.triangle_fields(u);
     if (mpi::rank(PETSC_COMM_WORLD) != 0) continue;
     std::vector<double> found;
     for (const mesh::Group& group : mesh.groups())

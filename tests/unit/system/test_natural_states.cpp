@@ -91,7 +91,7 @@ TEST_CASE("a free body of one temperature grows to a similar one without force a
       model.residual(a, r);
       CHECK(norm(r) < 1e-10 * held);
       CHECK(std::abs(model.energy(a)) < 1e-10 * stored);
-      const system::TriangleFields fields = model.potential().triangle_fields(a);
+      const system::TriangleFields fields = model.triangle_fields(a);
       for (const double n : fields.membrane_force) CHECK(std::abs(n) < 1e-9 * young * thickness);
       for (const double k : fields.curvature) CHECK(std::abs(k) < 1e-9);
     }
@@ -120,7 +120,7 @@ TEST_CASE("prestress is the membrane force of the rest shape") {
   const mesh::SurfaceMesh mesh(sheet_of(Shape::flat));
   system::Model model(PETSC_COMM_WORLD, mesh, input(elements[0], m));
   petsc::VecHandle a = model.dofs().create_vector();
-  const system::TriangleFields fields = model.potential().triangle_fields(a);
+  const system::TriangleFields fields = model.triangle_fields(a);
   for (std::size_t i = 0; i < fields.membrane_force.size(); ++i)
     CHECK(fields.membrane_force[i] == relative(m.prestress[static_cast<int>(i % 3)]).epsilon(1e-11));
 }
@@ -177,7 +177,7 @@ TEST_CASE("a difference through the thickness bends a plate at rest by its momen
     model.conditions().set_load_factor(1.0);
     petsc::VecHandle a = model.dofs().create_vector();
     const double moment = young * std::pow(thickness, 2) / (12.0 * (1.0 - poisson)) * alpha * 50.0;
-    const system::TriangleFields fields = model.potential().triangle_fields(a);
+    const system::TriangleFields fields = model.triangle_fields(a);
     for (std::size_t i = 0; i < fields.bending_moment.size(); ++i)
       CHECK(std::abs(fields.bending_moment[i] - (i % 3 == 2 ? 0.0 : moment)) < 1e-9 * moment);
     // The term of fourth order counts the angle by which the plate is held back from its natural shape.

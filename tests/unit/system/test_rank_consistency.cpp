@@ -78,7 +78,7 @@ Answer answer(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const system::ModelI
   r.energies = system::energies(model, a);
   r.energy = model.energy(a);
   r.area = model.discretisation().mean_area() * model.dofs().mesh().triangle_count();
-  const system::TriangleFields fields = model.potential().triangle_fields(a);
+  const system::TriangleFields fields = model.triangle_fields(a);
   r.membrane_force = everywhere(comm, fields.membrane_force);
   r.bending_moment = everywhere(comm, fields.bending_moment);
   // At a rough state, so that the comparison is of the assembly and not of two solutions.

@@ -262,7 +262,7 @@ TEST_CASE("sheets with rigid groups are the same on all ranks as on one") {
     const system::BlockMatrix mass = model.potential().constant().consistent_mass();
     VOILE_PETSC(MatMult(mass.mat(), d, r));
     take(r);
-    std::vector<double> moments = model.potential().triangle_fields(a).bending_moment;
+    std::vector<double> moments = model.triangle_fields(a).bending_moment;
     mpi::broadcast(comm, moments);
     all.insert(all.end(), moments.begin(), moments.end());
     all.push_back(model.energy(a));

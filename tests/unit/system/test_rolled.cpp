@@ -70,7 +70,7 @@ TEST_CASE("the curvature of a rolled sheet is that of the cylinder") {
   in.materials[0].direction = Vec3::UnitX();  // of the flat sheet: round the cylinder
   system::Model model(PETSC_COMM_WORLD, mesh, in);
   const petsc::VecHandle a = model.dofs().create_vector();
-  const system::TriangleFields f = model.potential().triangle_fields(a);
+  const system::TriangleFields f = model.triangle_fields(a);
   if (mpi::rank(model.dofs().comm()) != 0) return;
   double worst = 0.0;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
