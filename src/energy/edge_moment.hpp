@@ -2,7 +2,7 @@
 //
 // Symbols   phi_s   slope of side s: derivative of the positions along its outward normal, = w.x + C_T^-1 e_s m l where moments m
 //                   act per length l; w as a free edge has it;  C_T, S (joint.hpp)
-//   The moment does work on w.x; it adds S C_T^-1 e_s m l to the curvature of the triangle, so that M_nn = m on the edge.
+//   The moment turns w.x (loads.hpp) and adds S C_T^-1 e_s m l to the curvature of the triangle, so that M_nn = m on the edge.
 #pragma once
 
 #include <optional>

@@ -3,10 +3,9 @@
 //
 // Follower pressure p on triangle (x0, x1, x2):   f_i = p/6 (x1-x0) x (x2-x0) on each vertex, and p dV/dx_i of what it
 //   encloses beyond its plane (bulge.hpp)
-// Follower edge moment M per rest length on the boundary side (a, b) with interior vertex c, rest length L0, n the normal of the
-//   triangle:   f_i = M L0 w_i n,   w_i of its slope (edge_moment.hpp)
-// Where there is no such slope:   m = (b-a) x (c-a),   w = M L0 |b-a|/|m| (couple M L0 over the altitude),   n = m/|m|,
-//   alpha foot of c on (a, b),   f_c = -w n,   f_a = (1-alpha) w n,   f_b = alpha w n
+// Follower edge moment M per rest length on the boundary side (a, b) of rest length L0, whose slope is g = sum_i w_i x_i
+// (edge_moment.hpp):   e = b-a,   c = g x e,   V = c |e|/|c|^2,   beta = -g.e/e.e,   f_i = M L0 (w_i + s_i beta) V
+//   with s = -1 at a, 1 at b: a couple M L0 about e. Where the slope is not free, g runs from the corner across to a.
 // Positive moments lift the edge towards the positive side of the surface.
 // Source: Bonet & Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2nd ed. (2008).
 #pragma once
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "bulge.hpp"
+#include "edge_moment.hpp"
 #include "term.hpp"
 
 namespace voile::energy {
@@ -30,16 +30,8 @@ class FollowerTerm {
  public:
   /// Pressure [Pa] at load factor 1 on the triangle with these local points; `bulge` in local points, or plane.
   void add_pressure(const std::array<Index, 3>& points, double pressure, int factor, bool owned, Bulge bulge = {});
-  /// Moment [N m] on side (points[0], points[1]) with interior vertex points[2], local points. With the weights of its slope, which
-  /// may reach further, and what a moment of 1 adds to the curvature of `triangle`; without weights a couple.
-  struct Moment {
-    std::vector<Index> points;
-    std::vector<double> weights;
-    double moment;
-    Index triangle;
-    Vec3 bend;
-  };
-  void add_moment(Moment moment, int factor, bool owned);
+  /// Moment [N m] on side (points[0], points[1]) of `triangle` at load factor 1; local points.
+  void add_moment(EdgeMoment on, Index triangle, double moment, int factor, bool owned);
   /// At the factors in force, of owned triangles.
   [[nodiscard]] std::vector<EdgeBend> edge_bends() const;
   /// Factors by number: 0 the load factor, 1 that of constant loads, more with a history of their own.
@@ -59,59 +51,73 @@ class FollowerTerm {
   template <class Emit>
   void gradient(Index e, const Configuration& c, Emit&& emit) const {
     const Element& el = elements_[e];
-    if (el.turns()) {
-      const Vec3 n = normal(el, c);
-      for (int i = 0; i < el.bulge.size(); ++i) emit(i, Vec3(-scaled(el) * el.bulge.weights[i] * n));
+    if (el.is_moment) {
+      const Couple couple(el, c);
+      for (int i = 0; i < el.bulge.size(); ++i) emit(i, Vec3(-scaled(el) * couple.arm(el, i) * couple.lift));
       return;
     }
-    const std::array<Vec3, 3> f = force(el, c);
-    for (int i = 0; i < 3; ++i) emit(i, Vec3(-f[i]));
+    const Vec3 f = pressure_force(el, c);
+    for (int i = 0; i < 3; ++i) emit(i, Vec3(-f));
     if (el.bulges())
       el.bulge.gradient(el.positions(c), [&](int i, const Vec3& area) { emit(i, Vec3(-scaled(el) * area)); });
   }
   template <class Emit>
   void hessian(Index e, const Configuration& c, Emit&& emit) const {
     const Element& el = elements_[e];
-    if (el.turns()) {
-      const std::array<Mat3, 3> turn = normal_derivative(el, c);
-      return el.bulge.pairs([&](int i, int j) {
-        emit(i, j, j < 3 ? Mat3(-scaled(el) * el.bulge.weights[i] * turn[j]) : Mat3(Mat3::Zero()));
-      });
+    if (el.is_moment) {
+      const Couple couple(el, c);
+      for (int j = 0; j < el.bulge.size(); ++j) {
+        const Mat3 lift = couple.lift_derivative(el, j);
+        const Vec3 foot = couple.foot_derivative(el, j);
+        for (int i = 0; i < el.bulge.size(); ++i)
+          emit(i, j, Mat3(-scaled(el) * (couple.arm(el, i) * lift + Couple::end(i) * couple.lift * foot.transpose())));
+      }
+      return;
     }
-    std::array<std::array<Mat3, 3>, 3> k;
-    stiffness(el, c, k);
-    if (!el.bulges()) return el.bulge.pairs([&](int i, int j) { emit(i, j, Mat3(-k[i][j])); });
+    const std::array<Mat3, 3> k = pressure_stiffness(el, c);
+    if (!el.bulges()) return el.bulge.pairs([&](int i, int j) { emit(i, j, Mat3(-k[j])); });
     el.bulge.hessian(el.positions(c), [&](int i, int j, const Mat3& second) {
       const Mat3 beyond = -scaled(el) * second;
-      emit(i, j, i < 3 && j < 3 ? Mat3(beyond - k[i][j]) : beyond);
+      emit(i, j, i < 3 && j < 3 ? Mat3(beyond - k[j]) : beyond);
     });
   }
   template <class Emit>
   void blocks(Index e, Emit&& emit) const {
-    elements_[e].bulge.pairs(emit);
+    const Element& el = elements_[e];
+    if (!el.is_moment) return el.bulge.pairs(emit);
+    for (int j = 0; j < el.bulge.size(); ++j)
+      for (int i = 0; i < el.bulge.size(); ++i) emit(i, j);
   }
 
  private:
   struct Element {
-    Bulge bulge;   ///< without weights: three points alone; of a moment the weights of its slope
+    Bulge bulge;   ///< without weights: three points alone; of a moment the w_i
     double value;  ///< pressure, or moment
     bool is_moment, owned;
     int factor;
     Index triangle = no_index;  ///< that a moment bends
     Vec3 bend = Vec3::Zero();
     [[nodiscard]] bool bulges() const { return !is_moment && !bulge.weights.empty(); }
-    [[nodiscard]] bool turns() const { return is_moment && !bulge.weights.empty(); }
     [[nodiscard]] PointsOf positions(const Configuration& c) const { return {c.x, bulge.points.data()}; }
   };
   [[nodiscard]] double scaled(const Element& el) const {
     return factors_[static_cast<std::size_t>(el.factor)] * el.value;
   }
-  /// n of the triangle, and dn/dx_j of its corners.
-  [[nodiscard]] static Vec3 normal(const Element& el, const Configuration& c);
-  [[nodiscard]] static std::array<Mat3, 3> normal_derivative(const Element& el, const Configuration& c);
-  [[nodiscard]] std::array<Vec3, 3> force(const Element& el, const Configuration& c) const;
-  /// k[i][j] = d f_i / d x_j.
-  void stiffness(const Element& el, const Configuration& c, std::array<std::array<Mat3, 3>, 3>& k) const;
+  /// e, g, c, V and beta of a moment.
+  struct Couple {
+    Vec3 edge, slope, about, lift;
+    double foot;
+    Couple(const Element& el, const Configuration& c);
+    /// s_i; w_i + s_i beta.
+    [[nodiscard]] static double end(int i) { return i == 0 ? -1.0 : i == 1 ? 1.0 : 0.0; }
+    [[nodiscard]] double arm(const Element& el, int i) const { return el.bulge.weights[i] + end(i) * foot; }
+    /// dV/dx_j and dbeta/dx_j.
+    [[nodiscard]] Mat3 lift_derivative(const Element& el, int j) const;
+    [[nodiscard]] Vec3 foot_derivative(const Element& el, int j) const;
+  };
+  [[nodiscard]] Vec3 pressure_force(const Element& el, const Configuration& c) const;
+  /// k[j] = d f / d x_j of each corner's force under pressure.
+  [[nodiscard]] std::array<Mat3, 3> pressure_stiffness(const Element& el, const Configuration& c) const;
 
   std::vector<Element> elements_;
   std::vector<double> factors_{1.0, 1.0};

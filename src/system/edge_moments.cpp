@@ -34,20 +34,18 @@ void require_free_edge(const Discretisation& on, const Load& load, const mesh::S
 }
 
 /// On a side of a triangle, local points. A couple where a spring or a rigid body turns the edge: its slope is not free.
-energy::FollowerTerm::Moment moment_on(const Discretisation& on, energy::CurvatureBuilder& curvatures,
-                                       const mesh::TriangleSide& at, double moment) {
+energy::EdgeMoment moment_on(const Discretisation& on, energy::CurvatureBuilder& curvatures,
+                             const mesh::TriangleSide& at) {
   const mesh::Triangle& v = on.mesh().triangles()[at.triangle];
   const auto corner = [&](int k) { return v[static_cast<std::size_t>((at.side + k) % 3)]; };
-  energy::EdgeMoment edge{{corner(1), corner(2), corner(0)}, {}, Vec3::Zero()};
+  energy::EdgeMoment edge{{corner(1), corner(2), corner(0)}, {1.0, 0.0, -1.0}, Vec3::Zero()};
   const std::vector<mesh::TriangleSide>& held = on.constraints().elastic;
-  const bool turned = std::any_of(held.begin(), held.end(), [&](const mesh::TriangleSide& s) {
-    return s.triangle == at.triangle && s.side == at.side;
-  });
+  const bool turned = std::find(held.begin(), held.end(), at) != held.end();
   if (!turned && !on.is_on_body({corner(1), corner(2)}))
-    if (auto free = energy::make_edge_moment(on.element_sheet(), curvatures, at.triangle, at.side)) edge = *free;
-  const double length = on.mesh().rest_length({corner(1), corner(2)});
+    if (auto free = energy::make_edge_moment(on.element_sheet(), curvatures, at.triangle, at.side))
+      edge = std::move(*free);
   for (Index& p : edge.points) p = on.dofs().local().local_of[p];
-  return {std::move(edge.points), std::move(edge.weights), moment * length, at.triangle, edge.bend};
+  return edge;
 }
 
 }  // namespace
@@ -65,8 +63,12 @@ void add_edge_moments(const Discretisation& on, const Load& load, int factor, en
   for (const auto& [t, corners, owned] : on.elements()) {
     const auto found = loaded.find(t);
     if (found == loaded.end()) continue;
-    for (const int side : found->second)
-      term.add_moment(moment_on(on, curvatures, {t, side}, load.magnitude), factor, owned);
+    const mesh::Triangle& v = mesh.triangles()[t];
+    for (const int side : found->second) {
+      const double length =
+          mesh.rest_length({v[static_cast<std::size_t>((side + 1) % 3)], v[static_cast<std::size_t>((side + 2) % 3)]});
+      term.add_moment(moment_on(on, curvatures, {t, side}), t, load.magnitude * length, factor, owned);
+    }
   }
 }
 
