@@ -116,7 +116,10 @@ StepResult find_equilibrium(system::Model& model, system::State& state) {
   double moved = 0.0;
   VOILE_PETSC(VecNorm(state.u, NORM_INFINITY, &moved));
   const bool folds = moved == 0.0 && model.potential().has_constant_folds();
-  const NewtonResult n = folds ? grow_folds(newton, model, state.u) : newton.continuation(state.u);
+  // From here on friction resists: without it a sheet that rests on a slope would slide off.
+  newton.start_friction(state.u);
+  const auto search = [&] { return newton.continuation(state.u); };
+  const NewtonResult n = folds ? grow_folds(newton, model, state.u) : newton.settle_friction(state.u, search(), search);
   r.newton_iterations = n.iterations;
   r.factorisations = n.factorisations;
   state.in_equilibrium = n.converged;
@@ -173,9 +176,12 @@ double LoadPath::next_target(double from, double step) const {
   return fraction < 1.0 ? from + fraction * (target - from) : target;
 }
 
+bool at_load_factor(double wanted, double factor) {
+  return std::abs(wanted - factor) <= 1e-12 * std::max(1.0, std::abs(wanted));
+}
+
 bool LoadPath::finished(const system::State& state) const {
-  return std::abs(options_.final_load_factor - state.load_factor) <=
-         1e-12 * std::max(1.0, std::abs(options_.final_load_factor));
+  return at_load_factor(options_.final_load_factor, state.load_factor);
 }
 
 StepResult LoadPath::begin(system::State& state) {
@@ -237,7 +243,7 @@ StepResult LoadPath::attempt(system::State& state) {
     return r;
   }
   // Newton's last tangent is that of the iterate before, with other stresses: what it says is looked at again.
-  const bool last = std::abs(options_.final_load_factor - target) <= 1e-12 * std::max(1.0, std::abs(target));
+  const bool last = at_load_factor(options_.final_load_factor, target);
   if (last || r.newton.negative_pivots > 0 || !model_.conditions().symmetric())
     r.newton.negative_pivots = newton_->negative_eigenvalues(state.u);
   model_.potential().end_step(state.u);

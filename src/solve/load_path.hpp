@@ -39,6 +39,8 @@ class LoadPath : public Stepper {
   int halvings_ = 0;
 };
 
+/// Whether a path that ends at `wanted` is there.
+[[nodiscard]] bool at_load_factor(double wanted, double factor);
 /// Brings a state to equilibrium at its load factor by pseudo-transient continuation, unless it is in one; the model's
 /// load factor becomes that of the state. Collective.
 [[nodiscard]] StepResult find_equilibrium(system::Model& model, system::State& state);

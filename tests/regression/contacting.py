@@ -160,3 +160,23 @@ def contact_follower(report):
         if result.code == 0:
             ends.append(result.history["kinetic_energy"][-1])
     report.check(len(ends) == 2 and abs(ends[1] / ends[0] - 1) < 1e-6, f"kinetic energy at the end: {ends}")
+
+
+@test
+def friction_at_rest(report):
+    """What friction holds on a slope stays there when a static analysis goes on from it, and a restart still shows what holds it."""
+    case = {"title": "A sheet on a slope", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": 4}},
+            "material": [{"type": "isotropic", "young": 1e7, "poisson": 0.3, "thickness": 0.01, "density": 1000.0}],
+            "support": [{"type": "displacement", "group": side, "components": ["y"]} for side in ("bottom", "top")],
+            "spring": [{"type": "line", "group": "left", "stiffness": 8.0, "direction": [1, 0, 0]}],
+            "load": [{"type": "gravity", "vector": [2.0, 0, -9.0]}], "contact": {"distance": 0.02, "stiffness": 1e4},
+            "obstacle": [{"name": "slope", "type": "plane", "point": [0, 0, -0.02], "normal": [0, 0, 1], "friction": 0.5}],
+            "stage": [{"name": "lie", "analysis": "drape"}, {"name": "hold", "analysis": "static", "steps": {"initial_step": 1.0}}]}
+    staged = solve("friction_at_rest", case, 2)
+    constant = {k: v for k, v in case.items() if k != "stage"} | {"analysis": "static", "steps": {"initial_step": 1.0}}
+    at_once = solve("friction_constant", constant | {"load": [case["load"][0] | {"constant": True}]})
+    again = solve("friction_again", constant, options=["--restart", str(at_once.results.file)])
+    for name, result in (("from a drape", staged), ("at load factor 0", at_once), ("a restart at the end", again)):
+        last = (result.results if name != "from a drape" else result.stage("hold").results)[-1]
+        report.below(last["displacement"][:, 0].max(), 5e-3, f"{name}: way down the slope [m], 2.5 without friction")
+        report.percent(last["friction_force"][:, 0].sum() / -20.0, 0.01, f"{name}: friction up the slope, of the weight along")
