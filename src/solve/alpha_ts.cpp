@@ -21,6 +21,7 @@ PetscErrorCode set_stage(TS ts, Vec x1) {
   PetscCall(VecAXPBYPCZ(th.a1, -1.0 / (h * th.beta), 1.0 - 0.5 / th.beta, 1.0 / (h * h * th.beta), th.v0, th.a0));
   PetscCall(VecWAXPY(th.v1, h * (1.0 - th.gamma), th.a0, th.v0));
   PetscCall(VecAXPY(th.v1, h * th.gamma, th.a1));
+  if (th.callbacks.prescribe) PetscCall(th.callbacks.prescribe(th.callbacks.context, th.v1, th.a1));
   if (x1 != th.xa) PetscCall(VecCopy(x1, th.xa));
   PetscCall(VecAXPBYPCZ(th.aa, 1.0 - th.a_m, th.a_m, 0.0, th.a0, th.a1));
   PetscFunctionReturn(0);

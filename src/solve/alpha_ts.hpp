@@ -28,6 +28,8 @@ struct AlphaCallbacks {
   PetscErrorCode (*start_step)(void* context, Vec x, Vec v, PetscReal step) = nullptr;
   /// Puts prescribed components of a stage position right at time t.
   PetscErrorCode (*enforce)(void* context, PetscReal t, Vec stage) = nullptr;
+  /// Puts prescribed components of V and A right at the time of the last enforce().
+  PetscErrorCode (*prescribe)(void* context, Vec v, Vec a) = nullptr;
   /// Moves the first guess X1 at time t1 to where a search may start, coming from X0 at t0; false if there is no such
   /// place, and the step must be smaller.
   PetscErrorCode (*clear)(void* context, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible) = nullptr;

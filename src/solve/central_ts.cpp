@@ -35,6 +35,7 @@ PetscErrorCode step(TS ts) {
   PetscCall(VecAXPY(ts->vec_dot, -1.0 / h, c.guess));
   PetscCall(c.callbacks.accelerate(c.callbacks.context, ts->ptime + h, ts->vec_sol, ts->vec_dot, c.a));
   PetscCall(VecAXPY(ts->vec_dot, 0.5 * h, c.a));
+  PetscCall(c.callbacks.prescribe(c.callbacks.context, ts->vec_dot, nullptr));
   c.has_acceleration = true;
   PetscReal size = 0.0;
   PetscCall(VecNorm(ts->vec_sol, NORM_2, &size));

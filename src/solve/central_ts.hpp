@@ -18,6 +18,8 @@ struct CentralCallbacks {
   PetscErrorCode (*accelerate)(void* context, PetscReal t, Vec x, Vec v, Vec a) = nullptr;
   /// Puts prescribed components of a position right at time t.
   PetscErrorCode (*enforce)(void* context, PetscReal t, Vec x) = nullptr;
+  /// Puts prescribed components of V right at the time of the last enforce().
+  PetscErrorCode (*prescribe)(void* context, Vec v, Vec a) = nullptr;
 };
 
 /// Makes the type known to PETSc; once per process is enough.

@@ -139,6 +139,19 @@ PetscErrorCode TimeIntegration::Impl::enforce(void* self, PetscReal t, Vec stage
   return petsc::guarded([&] {
     n.dynamics.set_time(t);
     n.model.conditions().enforce(stage);
+    n.dynamics.prescribe_rates({t, n.options.step, n.options.end_time}, false, n.held_v, n.held_a);
+  });
+}
+
+PetscErrorCode TimeIntegration::Impl::prescribe(void* self, Vec v, Vec a) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] {
+    const petsc::ReadArray velocities(n.held_v), accelerations(n.held_a);
+    for (const auto& [to, from] : {std::pair(v, &velocities), std::pair(a, &accelerations)}) {
+      if (!to) continue;
+      const petsc::WriteArray out(to);
+      for (const PetscInt i : n.model.conditions().led()) out[i] = (*from)[i];
+    }
   });
 }
 

@@ -34,6 +34,18 @@ bool damps_stiffly(const system::Model& model, const system::DynamicsOptions& op
          (options.material_damping && std::any_of(materials.begin(), materials.end(), damps));
 }
 
+/// Whether a rigid body is a straight line, whose masses do not resist a turn about itself: what turns it then accelerates the sheet,
+/// and no acceleration follows from the masses alone.
+bool turns_without_inertia(const system::Model& model) {
+  constexpr double round_off = 1e-9;
+  const std::vector<system::BodyMass>& bodies = model.potential().constant().body_mass();
+  return std::any_of(bodies.begin(), bodies.end(), [](const system::BodyMass& b) {
+    if (!(b.mass > 0.0)) return false;
+    const Mat3 about = b.second - b.first * b.first.transpose() / b.mass;
+    return about.trace() * about.trace() - (about * about).trace() <= round_off * about.trace() * about.trace();
+  });
+}
+
 }  // namespace
 
 void TimeIntegration::Impl::create_snes() {
@@ -115,7 +127,7 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
   if (explicit_method) {
     if (dynamics.options().mass == system::Mass::consistent)
       throw UserError("the explicit method needs mass = \"lumped\"");
-    set_central_callbacks(ts, {this, accelerate, enforce});
+    set_central_callbacks(ts, {this, accelerate, enforce, prescribe});
     if (from.a) set_central_acceleration(ts, from.a);
     set_explicit_step(from);
     VOILE_PETSC(VecCopy(from.u, start));
@@ -129,13 +141,13 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
     return;
   }
   const bool contact = model.contact() != nullptr, damped = damps_stiffly(model, dynamics.options());
-  set_alpha_callbacks(ts,
-                      {this, start_step, enforce, contact ? clear : nullptr,
-                       contact && model.conditions().symmetric() ? energy : nullptr,
-                       contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0,
-                       account ? accepted : nullptr,
-                       (contact && inexact) || damped,  // falls of a drape start from other states
-                       damped, exactly, solved});
+  set_alpha_callbacks(
+      ts, {this, start_step, enforce, prescribe, contact ? clear : nullptr,
+           contact && model.conditions().symmetric() ? energy : nullptr,
+           contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0,
+           account ? accepted : nullptr,
+           (contact && inexact) || damped || turns_without_inertia(model),  // falls of a drape start from other states
+           damped, exactly, solved});
   linear.prepare();
   prepare_inexact(from.solver);
   read_solver_choice();
@@ -313,6 +325,8 @@ StepResult TimeIntegration::begin(system::State& state) {
   if (!state.v) state.v = n.model.dofs().create_vector();
   n.dynamics.set_time(state.time);
   n.model.conditions().enforce(state.u);
+  n.dynamics.prescribe_rates({state.time, n.options.step, n.options.end_time},
+                             !n.options.goes_on && !n.options.restarted, state.v);
   if (n.model.conditions().has_gas())
     n.model.conditions().begin_leaks(n.model.potential().configuration(state.u), state.time);
   if (state.last.u && n.remembers_start()) n.dynamics.resume_step(state.last);

@@ -50,6 +50,7 @@ struct TimeIntegration::Impl {
     double rate = 0.0;
   } again;
   bool explicit_method = false;
+  petsc::VecHandle held_v, held_a;  ///< velocities and accelerations of what is held, at the end of the step; else zero
   /// Of central differences: bounds of the step that the case gives [s], what is remembered of the largest frequency, its mode.
   struct {
     double most = 0.0, least = 0.0;
@@ -68,7 +69,7 @@ struct TimeIntegration::Impl {
 
   Impl(system::Dynamics& d, TimeOptions o, const Remark& r, bool by_iteration)
       : dynamics(d), model(d.model()), options(o), remark(r), inexact(by_iteration), linear(model), test(model) {
-    for (petsc::VecHandle* v : {&trial, &start, &product}) *v = model.dofs().create_vector();
+    for (petsc::VecHandle* v : {&trial, &start, &product, &held_v, &held_a}) *v = model.dofs().create_vector();
     if (options.max_step == 0.0) options.max_step = options.step;
     if (options.min_step == 0.0) options.min_step = 1e-3 * options.step;
   }
@@ -131,6 +132,7 @@ struct TimeIntegration::Impl {
   static PetscErrorCode start_step(void* self, Vec x, Vec v, PetscReal step);
   static PetscErrorCode exactly(void* self);
   static PetscErrorCode enforce(void* self, PetscReal t, Vec stage);
+  static PetscErrorCode prescribe(void* self, Vec v, Vec a);
   static PetscErrorCode clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible);
   static PetscErrorCode energy(void* self, Vec x1, PetscReal* value);
   static PetscErrorCode accepted(void* self, Vec x0, Vec x1, Vec v1);

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <set>
 
 #include "base/mpi.hpp"
 #include "edge_moments.hpp"
@@ -94,16 +95,23 @@ BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Sup
   const Dofs& dofs = on.dofs();
   for (petsc::VecHandle* v : {&dead_, &constant_, &prescribed_, &motion_, &hold_}) *v = dofs.create_vector();
   const std::map<Index, VertexSupport>& supported = on.constraints().vertices;
+  std::set<PetscInt> following;
   {
     const petsc::WriteArray prescribed(prescribed_);
     for (Index i = 0; i < dofs.local().owned; ++i) {
       const auto support = supported.find(dofs.local().point_of[i]);
       if (support == supported.end()) continue;
-      if (support->second.motion >= 0) movers_.push_back({i, support->second.motion});
+      if (support->second.motion >= 0) {
+        movers_.push_back({i, support->second.motion});
+        for (int k = 0; k < 3 && supports_[static_cast<std::size_t>(support->second.motion)].follows; ++k)
+          following.insert(3 * i + k);
+      }
       for (int k = 0; k < 3; ++k)
         if (support->second.fixed[k]) prescribed[3 * i + k] = support->second.value[k];
     }
   }
+  for (const PetscInt i : dofs.fixed())
+    if (following.count(i) == 0) led_.push_back(i);
   for (const auto& [v, support] : supported)
     has_prescribed_ |= support.value.squaredNorm() > 0.0 || support.motion >= 0;
   has_prescribed_ |= rigid_.moves();
@@ -241,11 +249,29 @@ void BoundaryConditions::prescribe_acceleration(const MotionTime& when, const st
               : std::vector<std::pair<int, double>>{{3 * side, -1.0}, {2 * side, 4.0}, {side, -5.0}, {0, 2.0}};
   const petsc::WriteArray values(acceleration);
   for (PetscInt i : on_->dofs().fixed()) values[i] = 0.0;
-  for (const auto& [k, part] : stencil) {
-    const double at = when.time + k * step, weight = part / (step * step);
+  add_differences_in_time(stencil, when.time, step, factor, values);
+  for (const PetscInt i : led_) values[i] /= step * step;
+}
+
+void BoundaryConditions::prescribe_velocity(const MotionTime& when, bool from_here,
+                                            const std::function<double(double)>& factor, Vec velocity) {
+  const double step = 1e-3 * when.step;  // before a corner at the time itself
+  const int side = from_here || when.time < 2.0 * step ? 1 : -1;
+  const petsc::WriteArray values(velocity);
+  for (const PetscInt i : led_) values[i] = 0.0;
+  add_differences_in_time({{2 * side, -1.0}, {side, 4.0}, {0, -3.0}}, when.time, step, factor, values);
+  for (const PetscInt i : led_) values[i] /= 2.0 * side * step;
+}
+
+void BoundaryConditions::add_differences_in_time(const std::vector<std::pair<int, double>>& weights, double time,
+                                                 double step, const std::function<double(double)>& factor,
+                                                 const petsc::WriteArray& to) {
+  if (!has_prescribed_) return;
+  for (const auto& [k, weight] : weights) {
+    const double at = time + k * step;
     move_supports(at);
     const petsc::ReadArray prescribed(prescribed_), motion(motion_);
-    for (PetscInt i : on_->dofs().fixed()) values[i] += weight * (factor(at) * prescribed[i] + motion[i]);
+    for (const PetscInt i : led_) to[i] += weight * (factor(at) * prescribed[i] + motion[i]);
   }
 }
 

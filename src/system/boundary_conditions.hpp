@@ -57,6 +57,7 @@ class BoundaryConditions {
   void set_time(double time);
   /// Forces from outside, f_e, in the unknowns; null: none. Not collective. [N]
   void set_external(petsc::VecHandle force);
+  [[nodiscard]] bool has_external() const { return static_cast<bool>(external_); }
   /// Adds f_e times a factor, also what of it acts on rigid bodies, where they are at the state taken last. Collective.
   void add_external(double factor, Vec f) const;
   /// Where an owned vertex goes that a support `follows` holds: its displacement from the start. Not collective. [m]
@@ -66,6 +67,10 @@ class BoundaryConditions {
   /// Accelerations of the fixed components at a time, by second differences within the run, with the load factor as a function of
   /// time; the others stay. Supports that follow an obstacle get none. Collective. [m/s^2]
   void prescribe_acceleration(const MotionTime& at, const std::function<double(double)>& factor, Vec acceleration);
+  /// Velocities of the fixed components likewise, as they come to the time or, `from_here`, as they go on; they jump where a motion
+  /// has a corner. What follows an obstacle is left as it is. Collective. [m/s]
+  void prescribe_velocity(const MotionTime& at, bool from_here, const std::function<double(double)>& factor,
+                          Vec velocity);
   /// Supports take hold of what they hold where it is in state a: from now on prescribed displacements and motions count
   /// from there, a change of the load factor from `load_factor`, of the time (or of the load factor in its place) from
   /// `time`. Collective.
@@ -78,6 +83,8 @@ class BoundaryConditions {
   /// Whether supports are prescribed to go anywhere, and abar.
   [[nodiscard]] bool has_prescribed() const { return has_prescribed_; }
   [[nodiscard]] Vec prescribed() const { return prescribed_; }
+  /// Fixed components that supports hold or move, not those that follow an obstacle.
+  [[nodiscard]] const std::vector<PetscInt>& led() const { return led_; }
   /// Rotation of each support, by number.
   [[nodiscard]] const std::vector<Mat3>& rotations() const { return rotations_; }
   /// The largest angle by which a clamp turns between two times [rad]; with `by_load`, between two load factors. 0 where
@@ -120,6 +127,9 @@ class BoundaryConditions {
   void add_differences(const std::vector<PeriodicPair>& periodic);
   [[nodiscard]] int factor_of(const Load& load) const;
   void move_supports(double time);
+  /// Adds sum_k w_k u(t + k step) of the prescribed places to the fixed components; the last puts the time in force.
+  void add_differences_in_time(const std::vector<std::pair<int, double>>& weights, double time, double step,
+                               const std::function<double(double)>& factor, const petsc::WriteArray& to);
 
   /// Of the loads on rigid bodies, all but moments.
   [[nodiscard]] std::vector<BodyForce> on_bodies() const;
@@ -133,6 +143,7 @@ class BoundaryConditions {
     int support;
   };
   std::vector<Mover> movers_;
+  std::vector<PetscInt> led_;
   std::vector<Mat3> rotations_;
   std::unique_ptr<ElementTerm<energy::FollowerTerm>> followers_;
   bool any_follower_ = false, has_prescribed_ = false;

@@ -123,9 +123,14 @@ void Dynamics::add_gyration(Vec v, Vec f) const {
     dofs.add_body_row(b, dofs.motions()[b].gyration(model_.potential().constant().body_mass()[b], rates[b]), out);
 }
 
-void Dynamics::add_inertia(Vec a, Vec v, const MotionTime& at, Vec f) const {
+void Dynamics::prescribe_rates(const MotionTime& at, bool from_here, Vec v, Vec a) const {
   const auto factor = [&](double t) { return options_.load_history ? options_.load_history(t) : 1.0; };
-  model_.conditions().prescribe_acceleration(at, factor, a);
+  if (v) model_.conditions().prescribe_velocity(at, from_here, factor, v);
+  if (a) model_.conditions().prescribe_acceleration(at, factor, a);
+}
+
+void Dynamics::add_inertia(Vec a, Vec v, const MotionTime& at, Vec f) const {
+  prescribe_rates(at, false, nullptr, a);
   multiply_mass(a, work_);
   add_gyration(v, work_);
   VOILE_PETSC(VecAXPY(f, 1.0, work_));

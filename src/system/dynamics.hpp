@@ -63,6 +63,8 @@ class Dynamics {
   /// Adds to f what inertia does at accelerations a and velocities v, also on what is held, whose accelerations are those of the
   /// prescribed motions; `a` is overwritten there. Collective. [N]
   void add_inertia(Vec a, Vec v, const MotionTime& at, Vec f) const;
+  /// Sets velocities, and accelerations if given, of what is held to those of the prescribed motions. Collective.
+  void prescribe_rates(const MotionTime& at, bool from_here, Vec v, Vec a = nullptr) const;
   /// Adds to f what free vertices that accelerate push held ones with, by the consistent mass. Collective. [N]
   void add_coupled_inertia(Vec a, Vec v, Vec f) const;
   /// E(u). Collective.

@@ -248,3 +248,14 @@ def rigid_mistakes(report):
     report.check(np.array_equal(again.displacement(), at_once.displacement()), "a restart ends at the same bits")
     ranks = solve("rigid_again", whole, 3, options=["--restart", str(first.folder / "checkpoint.h5")])
     report.below(np.abs(ranks.displacement() - at_once.displacement()).max(), 1e-7, "and on three ranks at the same place")
+
+
+@test
+def rigid_line(report):
+    """A moment about a straight edge's own axis, along which it has no inertia, sets the sheet in motion at once, as one that grows fast does."""
+    end = {"group": "tip", "moment": [0, -2e-3, 0]}
+    case = strip("dynamic", 10, 2, rigid=[end], load=None, probe=None, time={"end": 0.1, "step": 1e-3})
+    case = {k: v for k, v in case.items() if v is not None}
+    sudden, fast = (solve(f"rigid_line_{k}", case | {"time": case["time"] | t}) for k, t in enumerate(({}, {"load_history": "min(1, t/0.001)"})))
+    turns = [r.history["tip_turn_y"] for r in (sudden, fast)]
+    report.below(np.abs(turns[0] - turns[1]).max() / np.abs(turns[1]).max(), 0.1, f"turn of up to {np.degrees(np.abs(turns[1]).max()):.2g} degrees: difference")

@@ -132,6 +132,30 @@ def moving_supports(report):
 
 
 @test
+def held_velocities(report):
+    """What is held moves at the speed of its motion, from the first step, after corners too: so it flies on when it is let go."""
+    def flies(name, motion, release, method=None, **changes):
+        case = strip("dynamic", nx=4, ny=1, load=[], support=[{"type": "displacement", "group": "plate", "components": ["x", "y", "z"],
+                                                             "motion": ["0", "0", motion], "release": release}],
+                     time={"end": 0.02, "step": 0.001} | (method or {}), output={"energy_balance": True}, **changes)
+        h = solve(f"held_{name}", case).history
+        return (h["tip_z"][-1] - h["tip_z"][-2]) / (h["time"][-1] - h["time"][-2]), h
+
+    for name, method in (("alpha", {}), ("undamped", {"spectral_radius": 1.0}), ("central", {"method": "central_difference"})):
+        for steps in (1, 2, 3):
+            speed, h = flies(f"{name}_{steps}", "t", 0.001 * steps, method)
+            report.below(abs(speed - 1), 1e-6, f"{name}: speed after {steps} step(s) at 1 m/s")
+        report.below(abs(h["energy_unaccounted"]).max() / h["kinetic_energy"][-1], 1e-9, f"{name}: energy that is not accounted for")
+    for release, wanted in ((0.006, 0.0), (0.003, 2.0)):
+        speed, h = flies("corner", "table(t, 0, 0, 0.005, 0.01, 1, 0.01)", release, {"spectral_radius": 1.0})
+        report.below(abs(speed - wanted), 1e-6, f"released at {release} s, a corner at 0.005 s: speed")
+    speed, h = flies("drag", "t", 1.0, {"spectral_radius": 1.0}, air={"normal_drag": 1.5})
+    # All of a plate at 1 m/s: the power of the drag is that of a quadratic law.
+    power = np.diff(h["drag_loss"]) / np.diff(h["time"])
+    report.below(np.ptp(power) / power.mean(), 1e-9, f"power of the drag on a sheet that is moved, {power.mean():.4g} W in every step: spread")
+
+
+@test
 def said_differences(report):
     """A restart names what of the sheet is another one; results as a start say what they leave out."""
     case = strip("dynamic", nx=4, ny=1, output={"every": 1})

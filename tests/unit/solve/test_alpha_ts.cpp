@@ -76,7 +76,7 @@ std::vector<double> guesses_of_a_step(double longest_flight) {
   TSAdapt adapt = nullptr;
   VOILE_PETSC(TSGetAdapt(ts, &adapt));
   VOILE_PETSC(TSAdaptSetType(adapt, TSADAPTNONE));
-  solve::set_alpha_callbacks(ts, {&guesses, nullptr, enforce, clear, energy, longest_flight});
+  solve::set_alpha_callbacks(ts, {&guesses, nullptr, enforce, nullptr, clear, energy, longest_flight});
   VOILE_PETSC(TSSolve(ts, nullptr));
   return guesses;
 }
