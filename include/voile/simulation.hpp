@@ -22,9 +22,10 @@ namespace voile {
 
 /// One step, or the attempt at one.
 struct Step {
-  bool accepted = false;     ///< false: the simulation has come to its end; Simulation::reason()
-  int number = 0;            ///< of accepted steps, in the stage
-  double time = 0.0;         ///< reached [s]
+  bool accepted =
+      false;          ///< false: the simulation has come to its end, Simulation::reason(), or to a stage without steps
+  int number = 0;     ///< of accepted steps, in the stage
+  double time = 0.0;  ///< reached [s]
   double load_factor = 0.0;  ///< reached
   double size = 0.0;         ///< of time [s], or of the load factor
   int iterations = 0;        ///< of Newton's method, failed attempts included

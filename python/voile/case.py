@@ -42,13 +42,18 @@ class Case(dict[str, Any]):
             *parents, last = path.split(".")
             node: Any = result
             for name in parents:
+                if value is None and not isinstance(node, list) and name not in node:
+                    break  # what is not there need not be removed
                 node = node[int(name)] if isinstance(node, list) else node.setdefault(name, {})
-            if value is None:
-                node.pop(int(last) if isinstance(node, list) else last, None)
-            elif isinstance(node, list):
-                node[int(last)] = value
             else:
-                node[last] = value
+                if value is None and not isinstance(node, list):
+                    node.pop(last, None)
+                elif value is None:
+                    node.pop(int(last))
+                elif isinstance(node, list):
+                    node[int(last)] = value
+                else:
+                    node[last] = value
         return result
 
     def to_toml(self) -> str:

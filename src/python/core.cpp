@@ -127,7 +127,23 @@ class Held {
   Held(const Held&) = delete;
   Held& operator=(const Held&) = delete;
 
-  void close() { simulation_.reset(); }
+  void close() {
+    if (running_ > 0) throw voile::UserError("close(): the simulation is taking steps; not in what observe() calls");
+    simulation_.reset();
+  }
+  /// The result of steps, during which it cannot be closed. As Python's own loops end on Ctrl-C, it ends after a step.
+  template <class Steps>
+  auto steps(const Steps& take) {
+    struct Count {
+      int& of;
+      explicit Count(int& n) : of(n) { ++of; }
+      ~Count() { --of; }
+    } const running(running_);
+    auto result = take(**this);
+    if (!(**this).interrupted()) return result;
+    PyErr_SetNone(PyExc_KeyboardInterrupt);
+    throw py::error_already_set();
+  }
   Simulation& operator*() {
     if (!simulation_) throw voile::UserError("the simulation is closed");
     return *simulation_;
@@ -142,19 +158,12 @@ class Held {
  private:
   py::object comm_;  // must outlive the simulation
   std::unique_ptr<Simulation> simulation_;
+  int running_ = 0;
 };
 
 void end_session() {
   for (Held* one : Held::alive()) one->close();
   session().reset();
-}
-
-/// As Python's own loops end on Ctrl-C. After a step.
-template <class T>
-T uninterrupted(Held& s, T result) {
-  if (!s->interrupted()) return result;
-  PyErr_SetNone(PyExc_KeyboardInterrupt);
-  throw py::error_already_set();
 }
 
 template <class Value>
@@ -174,7 +183,7 @@ void declare_values(py::module_& m) {
       .def("text", &voile::Case::text, "The case as TOML: every key with the value in force.");
   py::class_<voile::Step>(m, "Step", "One step, or the attempt at one.")
       .def_readonly("accepted", &voile::Step::accepted,
-                    "False: the simulation has come to its end, see Simulation.reason.")
+                    "False: the simulation has come to its end, see Simulation.reason, or to a stage without steps.")
       .def_readonly("number", &voile::Step::number, "Of accepted steps, in the stage.")
       .def_readonly("time", &voile::Step::time, "Reached [s].")
       .def_readonly("load_factor", &voile::Step::load_factor, "Reached.")
@@ -207,14 +216,15 @@ void declare_values(py::module_& m) {
 void declare_steps(py::class_<Held>& c) {
   c.def("close", &Held::close, "Frees it before Python does. Collective.")
       .def(
-          "advance", [](Held& s) { return uninterrupted(s, s->advance()); },
+          "advance", [](Held& s) { return s.steps([](Simulation& of) { return of.advance(); }); },
           "One accepted step, as a Step. UserError after the end; KeyboardInterrupt on Ctrl-C.")
       .def(
-          "advance_to", [](Held& s, double t) { return uninterrupted(s, s->advance_to(t)); }, py::arg("t"),
+          "advance_to", [](Held& s, double t) { return s.steps([&](Simulation& of) { return of.advance_to(t); }); },
+          py::arg("t"),
           "Steps until time t [s] exactly, of a motion. Returns whether t is reached: the end of the case may come "
           "first.")
       .def(
-          "run", [](Held& s) { return uninterrupted(s, s->run()); },
+          "run", [](Held& s) { return s.steps([](Simulation& of) { return of.run(); }); },
           "Steps to the end; with an output folder the files are complete then. Returns `converged`.")
       .def(
           "observe", [](Held& s, std::function<void(const voile::Step&)> look) { s->observe(std::move(look)); },

@@ -78,7 +78,6 @@ CaseRun::CaseRun(const input::Case& c, const record::RunOptions& options)
   state_ = read_start(stages_.front().c, options_, *mesh_, origin_);
   if (mesh_ != first) state_.remeshings = std::max(state_.remeshings, 1);
   open_stage(0);
-  go_on();
 }
 
 void CaseRun::open_stage(std::size_t number) {
@@ -98,26 +97,29 @@ void CaseRun::open_stage(std::size_t number) {
   if (!unfolded.empty() && options_.verbosity != record::Verbosity::quiet)
     mpi::on_root(options_.comm, [&] { fmt::print("{}\n", unfolded); });
   number_ = number;
-  stage_ = std::make_unique<StageRun>(stage, StageRun::Start{std::move(epoch), mesh_, meshes_[number], origin_});
+  stage_ = std::make_unique<StageRun>(
+      stage, StageRun::Start{std::move(epoch), mesh_, meshes_[number], origin_, std::move(forces_)});
   stage_->begin();
 }
 
 solve::StepResult CaseRun::advance(double until) {
-  solve::StepResult r = stage_->advance(until);
-  go_on();
-  return r;
+  if (!stage_->done() || go_on()) return stage_->advance(until);
+  solve::StepResult none;
+  none.outcome = solve::Outcome::not_yet;
+  return none;
 }
 
-/// From stages that are done to the next one. The last one stays open, so that its end can be left again.
-void CaseRun::go_on() {
-  while (stage_->done() && number_ + 1 < stages_.size() && summaries_.size() == number_) {
-    end_stage();
-    if (!summaries_.back().second.converged) return;
-    origin_ = stages_[number_ + 1].c.stage.continues() ? Origin::stage : Origin::nothing;
-    stage_.reset();
-    if (origin_ == Origin::nothing) begin_anew(number_ + 1);
-    open_stage(number_ + 1);
-  }
+/// From a stage that is done to the next one, which has steps to take if it returns true. A stage stays open, so that its last state
+/// can be looked at, and its end left again, until the next one is asked for.
+bool CaseRun::go_on() {
+  end_stage();
+  if (!summaries_.back().second.converged) return false;
+  origin_ = stages_[number_ + 1].c.stage.continues() ? Origin::stage : Origin::nothing;
+  forces_ = stage_->forces();
+  stage_.reset();
+  if (origin_ == Origin::nothing) begin_anew(number_ + 1);
+  open_stage(number_ + 1);
+  return !stage_->done();
 }
 
 /// The imperfect shape, for a stage and those after it; the mesh in force is the perfect one.
@@ -144,7 +146,8 @@ void CaseRun::end_stage() {
 }
 
 bool CaseRun::finished() const {
-  return stage_->done();
+  if (!stage_->done()) return false;
+  return number_ + 1 == stages_.size() || !stage_->all().completed || summaries_.size() > number_;
 }
 
 Exit CaseRun::finish() {

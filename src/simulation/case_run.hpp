@@ -34,8 +34,8 @@ class CaseRun {
   CaseRun(const CaseRun&) = delete;
   CaseRun& operator=(const CaseRun&) = delete;
 
-  /// One accepted step, and the ends of stages that it reaches; in a motion not beyond `until` [s]. Not after finished().
-  /// Collective.
+  /// One accepted step, after the end of the stage before if that is done; in a motion not beyond `until` [s]. No step where the
+  /// next stage has none, as modes, or the stage before has failed at its end. Not after finished(). Collective.
   solve::StepResult advance(double until = std::numeric_limits<double>::infinity());
   /// Whether the last stage is done, or one has failed.
   [[nodiscard]] bool finished() const;
@@ -60,7 +60,7 @@ class CaseRun {
   void open_stage(std::size_t number);
   void use_modes(std::size_t number);
   void begin_anew(std::size_t number);
-  void go_on();
+  [[nodiscard]] bool go_on();
   void end_stage();
 
   input::Case case_;
@@ -73,6 +73,7 @@ class CaseRun {
   setup::StageModes modes_;                     ///< that no file holds; rank 0
   std::optional<record::OutputFolder> folder_;  ///< rank 0
   std::vector<std::pair<std::string, record::Summary>> summaries_;
+  std::vector<double> forces_;  ///< from outside, which go on into the stage to come; rank 0
   std::size_t number_ = 0;
   std::unique_ptr<StageRun> stage_;
 };

@@ -44,7 +44,7 @@ Simulation::Impl::Impl(MPI_Comm on, const Case& given, Options o)
       petsc(input.petsc_options, options.petsc) {
   const Call call(*this);
   run = std::make_unique<simulation::CaseRun>(input, run_options(comm, options));
-  if (run->finished()) close();
+  if (run->finished() && !input.finds_modes()) close();  // forces from outside may come before modes are found
 }
 
 Simulation::Impl::~Impl() {

@@ -146,6 +146,7 @@ void Simulation::set_obstacle(const std::string& name, const std::vector<double>
   if (!impl_->moves()) throw UserError("set_obstacle() is for analysis = \"dynamic\": only there obstacles move");
   std::vector<double> values = positions;
   mpi::broadcast(impl_->comm, values);
+  if (!std::isfinite(t)) throw UserError(fmt::format("obstacle '{}': the time is no number", name));
   if (values.size() % 3 != 0) throw UserError(fmt::format("obstacle '{}': each position needs 3 numbers", name));
   std::vector<Vec3> points;
   for (std::size_t i = 0; i < values.size(); i += 3) points.emplace_back(values[i], values[i + 1], values[i + 2]);

@@ -14,7 +14,10 @@
 #include "record/report.hpp"
 #include "setup/mesh_report.hpp"
 #include "sewing.hpp"
+#include "solve/load_path.hpp"
+#include "solve/single_step.hpp"
 #include "system/contact.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::simulation {
 
@@ -62,6 +65,7 @@ StageRun::StageRun(const Stage& stage, Start start)
       recorder_(stage.c, stage.options, epoch_->model()),
       checkpoints_(stage.c, stage.options.output) {
   if (stage.c.remesh.active) remesher_.emplace(stage, std::move(start.first));
+  set_forces(std::move(start.forces));
 }
 
 void StageRun::begin() {
@@ -133,7 +137,7 @@ void StageRun::take(const StepResult& r) {
             remesher_->adapt(*epoch_, [&](const auto& text) { recorder_.remark(text); })) {
       epoch_ = std::move(next->epoch);
       mesh_ = std::move(next->mesh);
-      set_forces({});
+      put_forces({});
       return open(Origin::mesh);
     }
   }
@@ -168,9 +172,28 @@ void StageRun::limit(double until) {
 }
 
 void StageRun::set_forces(std::vector<double> forces) {
+  put_forces(std::move(forces));
+  if (has_forces_ && remesher_ && !epoch_->moves())
+    throw UserError(
+        "set_forces: [remesh] would leave the new mesh without them before an equilibrium is found; give them as "
+        "[[load]], or take [remesh] out");
+}
+
+void StageRun::put_forces(std::vector<double> forces) {
   forces_ = std::move(forces);
   has_forces_ = mpi::max(comm(), forces_.empty() ? 0.0 : 1.0) > 0.0;
   apply_forces();
+}
+
+/// Modes are those about the equilibrium with the forces from outside, which may have come after the start.
+void StageRun::balance_forces() {
+  const input::Case& c = stage_.c;
+  system::State& state = epoch_->state();
+  if (!has_forces_ || !all_.completed || !c.finds_modes() || solve::is_balanced(epoch_->model(), state.u)) return;
+  state.in_equilibrium = false;
+  const StepResult r = solve::Equilibrium(epoch_->model(), true).begin(state);
+  all_.completed = r.outcome != Outcome::failed;
+  if (!all_.completed) all_.reason = r.reason;
 }
 
 void StageRun::apply_forces() {
@@ -182,7 +205,12 @@ void StageRun::apply_forces() {
 }
 
 StageRun::Saved StageRun::save() const {
-  return {mesh_, gather_whole(epoch_->state(), epoch_->model()), all_, recorder_.history().rows.size(), done_, forces_};
+  // What a signal has stopped goes on from here.
+  solve::RunStatistics all = all_;
+  const bool stopped = std::exchange(all.interrupted, false);
+  return {
+      mesh_,  gather_whole(epoch_->state(), epoch_->model()), all, recorder_.history().rows.size(), done_ && !stopped,
+      forces_};
 }
 
 void StageRun::restore(const Saved& saved) {
@@ -191,7 +219,7 @@ void StageRun::restore(const Saved& saved) {
   auto epoch = std::make_unique<Epoch>(comm(), stage_.c, *saved.mesh, stage_.input, stage_.frozen, saved.state);
   epoch_ = std::move(epoch);
   mesh_ = saved.mesh;
-  set_forces(saved.forces);
+  put_forces(saved.forces);
   open(Origin::saved);
   all_ = saved.all;
   done_ = saved.done;
@@ -201,6 +229,7 @@ record::Summary StageRun::end() {
   const input::Case& c = stage_.c;
   system::Model& model = epoch_->model();
   const system::State& state = epoch_->state();
+  balance_forces();
   checkpoints_.write(state, model);
   if (all_.completed && !c.stage.sew.empty()) {
     all_.reason = open_seam_text(c, model, state);

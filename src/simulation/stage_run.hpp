@@ -23,6 +23,7 @@ class StageRun {
     std::unique_ptr<Epoch> epoch;
     Mesh mesh, first;
     Origin origin = Origin::nothing;
+    std::vector<double> forces{};  ///< from outside, on rank 0
   };
   /// A state to go back to; arrays on rank 0.
   struct Saved {
@@ -51,7 +52,7 @@ class StageRun {
   /// Goes back to a state of this stage. Without an output folder only: what is written stays. Collective.
   void restore(const Saved& saved);
   /// Forces on the vertices besides the loads of the case, three components each, on rank 0; until the mesh is exchanged.
-  /// Collective. [N]
+  /// Collective. Throws UserError where a path is remeshed: the new mesh would be without them. [N]
   void set_forces(std::vector<double> forces);
   [[nodiscard]] const std::vector<double>& forces() const { return forces_; }
 
@@ -68,6 +69,8 @@ class StageRun {
   void end_epoch();
   void limit(double until);
   void apply_forces();
+  void balance_forces();
+  void put_forces(std::vector<double> forces);
   [[nodiscard]] bool is_at_end() const;
   [[nodiscard]] MPI_Comm comm() const { return stage_.options.comm; }
 

@@ -59,7 +59,8 @@ EnergyAccount::EnergyAccount(Dynamics& dynamics, double moment)
       start_(dynamics.model().dofs().create_vector()),
       displacement_(dynamics.model().dofs().create_vector()) {
   for (Stage* stage : {&last_, &now_})
-    for (petsc::VecHandle* v : {&stage->loads, &stage->reactions}) *v = dynamics.model().dofs().create_vector();
+    for (petsc::VecHandle* v : {&stage->loads, &stage->reactions, &stage->external})
+      *v = dynamics.model().dofs().create_vector();
 }
 
 EnergyAccount::Levels EnergyAccount::levels(Vec u, Vec v) {
@@ -94,7 +95,9 @@ void EnergyAccount::begin(Vec u, Vec v, Vec a, const EnergyBalance& before, bool
 void EnergyAccount::take_stage(Vec u, Vec v, Vec a, Vec displacement) {
   work_ = dynamics_.work(u, v, a, displacement, now_.loads, now_.reactions);
   now_.time = dynamics_.time();
-  dynamics_.model().conditions().add_external(-1.0, now_.loads);
+  now_.forced = dynamics_.model().conditions().has_external();
+  VOILE_PETSC(VecZeroEntries(now_.external));
+  dynamics_.model().conditions().add_external(1.0, now_.external);
 }
 
 void EnergyAccount::renew(Vec u, Vec v, Vec a) {
@@ -107,6 +110,9 @@ void EnergyAccount::take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a) {
   VOILE_PETSC(VecWAXPY(displacement_, -1.0, u_0, u_1));
   std::swap(last_, now_);
   take_stage(u, v, a, displacement_);
+  // Forces from outside that come or go do so at the start of the step; between two that are given they change evenly.
+  if (last_.forced != now_.forced)
+    VOILE_PETSC(VecAXPY(last_.loads, now_.forced ? 1.0 : -1.0, now_.forced ? now_.external : last_.external));
   for (Stage* stage : {&last_, &now_}) {
     VOILE_PETSC(VecDot(stage->loads, displacement_, &stage->load_work));
     VOILE_PETSC(VecDot(stage->reactions, displacement_, &stage->reaction_work));

@@ -47,10 +47,10 @@ class EnergyAccount {
   /// Loads and reactions at the last stage, and its time; their works in the step that follows. The work of a step is that of the
   /// forces in its middle, between those of two stages: what is at its end would add half of what changes over it.
   struct Stage {
-    petsc::VecHandle loads, reactions;
+    petsc::VecHandle loads, reactions, external;  ///< `external`: of the loads, those from outside
+    bool forced = false;                          ///< whether there are any
     double time = 0.0, load_work = 0.0, reaction_work = 0.0;
   };
-  /// Loads without those from outside, which are given for a whole step.
   void take_stage(Vec u, Vec v, Vec a, Vec displacement);
   Stage last_, now_;
 };

@@ -134,6 +134,96 @@ def library_python(report):
     report.check(done.returncode == 0, f"two halves: {done.stdout[-800:]}")
 
 
+FORCES = """
+import sys, numpy as np
+sys.path.insert(0, {examples!r})
+from strip import strip
+from voile import Simulation, UserError
+
+def tip(s, total):
+    f = np.zeros((s.vertex_count, 3))
+    f[s.group("tip"), 2] = total / len(s.group("tip"))
+    return f
+
+base = strip("static", nx=6)
+stages = {{**{{k: v for k, v in base.items() if k not in ("analysis", "time")}}, "load": [],
+          "stage": [{{"name": "a", "analysis": "static"}}, {{"name": "b", "analysis": "modal"}}, {{"name": "c", "analysis": "static"}}]}}
+seen = []
+s = Simulation(stages)
+s.observe(lambda step: seen.append((step.number, step.load_factor, np.abs(s.displacements()).max())))
+s.set_forces(tip(s, 0.3))
+s.run()
+bent = np.abs(s.displacements()).max()
+steps = [u for number, load_factor, u in seen if load_factor == 1.0]
+assert bent > 0.01 and len(steps) == 2 and all(abs(u / bent - 1) < 1e-6 for u in steps), (bent, seen)
+
+def modes(load_factor, outside):
+    c = strip("modal", nx=6)
+    c["eigen"] = {{"modes": 2, "load_factor": load_factor}}
+    pull = 30.0
+    c["load"] = [] if outside else [{{"type": "line", "group": "tip", "vector": [pull / 0.25, 0, 0], "constant": True}}]
+    m = Simulation(c)
+    if outside:
+        f = np.zeros((m.vertex_count, 3))
+        for v in m.group("tip"):  # half of the force in the middle, a quarter at each corner
+            f[v, 0] = pull / (2 if 0 < m.positions()[v, 1] < 0.25 else 4)
+        m.set_forces(f)
+    m.run()
+    return np.array(m.eigenvalues())
+
+known = modes(0.0, False)
+for load_factor in (0.0, 1.0):
+    assert np.abs(modes(load_factor, True) / known - 1).max() < 1e-6, (load_factor, modes(load_factor, True), known)
+
+def work(outside):
+    c = strip("dynamic", nx=6)
+    c["time"] = {{"end": 0.2, "step": 0.005, "spectral_radius": 1.0}}
+    c["output"] = {{"energy_balance": True}}
+    c["load"] = [] if outside else [{{"type": "point", "group": "tip", "vector": [0, 0, 0.1 / 3], "history": "cos(150*t)"}}]
+    m = Simulation(c)
+    while not m.finished:
+        if outside:
+            m.set_forces(tip(m, 0.1 * np.cos(150 * (m.time + 0.005))))
+        m.advance()
+    e = m.energy()
+    return e.loads, e.numerical
+
+key, forces = work(False), work(True)
+assert abs(forces[0] / key[0] - 1) < 0.05 and abs(forces[1]) < 0.05 * key[0], (key, forces)
+
+c = strip("drape", nx=6)
+c["remesh"] = {{"angle": 8.0}}
+try:
+    m = Simulation(c)
+    m.set_forces(tip(m, 0.3))
+    raise SystemExit("forces on a path that is remeshed are taken")
+except UserError as e:
+    assert "[remesh]" in str(e)
+m = Simulation(strip("dynamic", nx=6))
+m.observe(lambda step: m.close())
+try:
+    m.run()
+    raise SystemExit("closed while it runs")
+except UserError as e:
+    assert "taking steps" in str(e)
+from voile import Case
+assert "remesh" not in Case(c).changed({{"remesh.angle": 1}}).changed({{"contact.friction": None}}).get("contact", {{}})
+assert "contact" not in Case(c).changed({{"contact.friction": None}})
+assert len(Case(c).changed({{"support.0": None}})["support"]) == len(c["support"]) - 1
+print("fine")
+"""
+
+
+@test
+def library_forces(report):
+    """Forces from outside stay through stages, count in modes and energies; the last state of a stage is seen; what cannot be is refused."""
+    if not any(PACKAGE.glob("voile/_core*.so")):
+        return report.check(True, "SKIPPED: the binding is not built (packages pybind11-dev, python3-dev)")
+    for ranks in (1, 2):
+        done = python("-c", FORCES.format(examples=str(EXAMPLES)), ranks=ranks)
+        report.check(done.returncode == 0 and "fine" in done.stdout, f"{ranks} rank(s): {done.stdout[-800:]}")
+
+
 SAME = """
 import sys, tomllib, numpy as np
 from voile import Simulation
