@@ -30,6 +30,9 @@ constexpr std::array own_files{
     "history.csv",          "seams.csv",    "summary.json",   "intersections.vtk", "intersections.png", "remeshing.csv",
     OutputFolder::echo_name};
 
+/// Folders of results of their own.
+constexpr std::array inner_folders{"modes", "response", "random"};
+
 std::string host_name() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown host";
@@ -57,15 +60,17 @@ void remove_results(const fs::path& folder) {
   for (const char* name : own_files)
     for (const char* ending : {"", ".part"}) fs::remove(folder / (std::string(name) + ending), ignored);
   remove_steps(folder / "steps");
-  if (!fs::is_directory(folder / "modes")) return;
-  remove_results(folder / "modes");
-  fs::remove(folder / "modes", ignored);
+  for (const char* name : inner_folders) {
+    if (!fs::is_directory(folder / name)) continue;
+    remove_results(folder / name);
+    fs::remove(folder / name, ignored);  // only if it is empty
+  }
 }
 
 bool is_own(const std::string& name) {
   const bool part = name.ends_with(".part");
   const std::string whole = part ? name.substr(0, name.size() - 5) : name;
-  return contains(own_files, whole) || whole == lock_name || whole == "steps" || whole == "modes";
+  return contains(own_files, whole) || whole == lock_name || whole == "steps" || contains(inner_folders, whole);
 }
 
 /// A folder that somebody else has made must not lead a run out of it. Throws UserError if what a run

@@ -160,6 +160,10 @@ def harmonic_fields_mistakes(report):
     report.check(code == 2 and "[[rigid]]" in text and "fields_wrong.toml" in text, f"a reaction beside a rigid group: {text.strip()[-150:]}")
     fields = fields_of(solve("fields_rigid", heavy | {"probe": TIP, "harmonic": BASE | {"frequencies": [1.0], "field_frequencies": [1.0]}}))[0]
     report.check("reaction_amplitude" not in fields and "stress_top_amplitude" in fields, "fields beside one have no reaction")
+    folder = OUT / "fields_rigid"
+    there = (folder / "response" / "results.vtkhdf").is_file()
+    code, text = invoke(["run", write_case(blade(nx=8, damping={}) | {"analysis": "static", "load": LOAD}, OUT / "fields_over.toml"), "--output", str(folder), "--overwrite"])
+    report.check(there and code == 0 and not (folder / "response").exists(), f"--overwrite by another analysis takes its folder away: code {code}")
 
 
 def board_series(case):
