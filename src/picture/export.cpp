@@ -82,24 +82,32 @@ Exported export_results(const Recording& recording, const std::vector<Moment>& m
 }
 
 Exporter::Exporter(const Recording& recording, const std::vector<Moment>& moments, const ExportOptions& options)
-    : recording_(recording), moments_(moments), options_(options) {
-  // Times that are those of one motion; frames follow each other evenly otherwise.
-  in_time_ = moments.size() > 1;
-  for (std::size_t i = 0; i < moments.size(); ++i) {
-    const Recording::Part& part = recording.parts()[moments[i].part];
-    in_time_ = in_time_ && part.in_time && moments[i].step && moments[i].part == moments[0].part;
+    : recording_(recording), options_(options) {
+  // Motions keep their time, over stages too; other frames follow each other evenly.
+  const auto time_of = [&](const Moment& m) -> std::optional<double> {
+    const Recording::Part& part = recording.parts()[m.part];
+    return part.in_time && m.step ? std::optional(part.run.steps()[*m.step].time) : std::nullopt;
+  };
+  double time = 0.0;
+  for (const Moment& moment : moments) {
+    if (!moments_.empty()) {
+      const std::optional<double> before = time_of(moments_.back()), now = time_of(moment);
+      const bool goes_on = before && now && *now >= *before;
+      if (goes_on && *now == *before &&
+          moment.part != moments_.back().part) {  // a stage begins where the last has ended
+        moments_.back() = moment;
+        continue;
+      }
+      time += goes_on ? *now - *before : 1.0 / options.rate;
+    }
+    moments_.push_back(moment);
+    times_.push_back(time);
   }
   if (options.tolerance && !(*options.tolerance > 0.0))
     throw UserError(fmt::format("--tolerance {}: it is more than 0", *options.tolerance));
-  for (std::size_t i = 1; i < moments.size(); ++i) meshes_ += same_mesh(i) ? 0 : 1;
+  for (std::size_t i = 1; i < moments_.size(); ++i) meshes_ += same_mesh(i) ? 0 : 1;
   if (meshes_ > 1 && (options.one_mesh || options.format == "pc2" || options.format == "mdd"))
-    one_mesh_ = std::make_unique<Resampled>(recording, moments, options.tolerance);
-}
-
-double Exporter::time(std::size_t i) const {
-  if (!in_time_) return static_cast<double>(i) / options_.rate;
-  const auto& steps = recording_.parts()[moments_[0].part].run.steps();
-  return steps[*moments_[i].step].time - steps[*moments_[0].step].time;
+    one_mesh_ = std::make_unique<Resampled>(recording, moments_, options.tolerance);
 }
 
 bool Exporter::same_mesh(std::size_t i) const {

@@ -39,7 +39,8 @@ class Exporter {
   Exporter(const Recording& recording, const std::vector<Moment>& moments, const ExportOptions& options);
   [[nodiscard]] std::size_t size() const { return moments_.size(); }
   [[nodiscard]] Snapshot snapshot(std::size_t i) const;
-  [[nodiscard]] double time(std::size_t i) const;
+  /// Since the first frame [s].
+  [[nodiscard]] double time(std::size_t i) const { return times_[i]; }
   /// Whether a frame has the mesh of the one before.
   [[nodiscard]] bool same_mesh(std::size_t i) const;
   /// Fields of a moment that are asked for, as they are stored.
@@ -55,12 +56,12 @@ class Exporter {
 
  private:
   const Recording& recording_;
-  const std::vector<Moment>& moments_;
+  std::vector<Moment> moments_;
+  std::vector<double> times_;
   const ExportOptions& options_;
   /// Puts a snapshot on the one mesh, and notes how well it lies there.
   void put_on_one_mesh(Snapshot& s) const;
 
-  bool in_time_ = false;
   std::size_t meshes_ = 1;  ///< that follow each other in the frames
   std::unique_ptr<Resampled> one_mesh_;
   mutable double distance_ = 0.0;       ///< largest of the snapshots so far [m]

@@ -412,3 +412,22 @@ def python_package(report):
         done = subprocess.run([sys.executable, "-c", f"import voile; print(len(voile.Results({str(OUT / 'python_strip')!r})))"], cwd=prefix, text=True,
                               env={"PYTHONPATH": str(package.parents[1]), "PATH": os.environ["PATH"]}, capture_output=True)
         report.check(done.stdout.strip() == str(len(Results(OUT / "python_strip"))), "where Python finds it" if done.returncode == 0 else done.stderr)
+
+
+@test
+def exported_times(report):
+    """Stages of a motion, exported together, keep the times that they have: steps of another size, and one frame where they meet."""
+    support = [{"type": "clamped", "group": "clamp"}]
+    case = strip(nx=4, ny=1, support=support) | {"stage": [{"name": "a", "analysis": "static", "steps": {"initial_step": 1.0}},
+                                                           {"name": "b", "analysis": "dynamic", "time": {"end": 0.03, "step": 0.01}},
+                                                           {"name": "c", "analysis": "dynamic", "time": {"end": 0.05, "step": 0.005}}]}
+    del case["analysis"], case["time"]
+    result = solve("exported_times", case)
+    code, text = invoke(["export", result.folder, "--output", OUT / "exported_times.mdd"])
+    data = (OUT / "exported_times.mdd").read_bytes()
+    frames = int.from_bytes(data[:4], "big")
+    times = np.frombuffer(data[8:8 + 4 * frames], ">f4")
+    # Two frames of the path, 1/25 s each before the motion; then 0, 10, 20 ms, and what begins at 30 ms.
+    wanted = np.concatenate([[0.0, 0.04], 0.08 + np.concatenate([[0, 0.01, 0.02], 0.03 + 0.005 * np.arange(5)])])
+    report.check(code == 0 and frames == len(wanted), f"{frames} frames: {times}")
+    report.below(np.abs(times - wanted).max() if frames == len(wanted) else 1.0, 1e-6, "their times")
