@@ -52,6 +52,8 @@ def _products(first: Modes, second: Modes) -> tuple[Array, Array, Array, Array]:
     ma, mb = a, b
     mesh, other = one.mesh(), two.mesh()
     x, y = mesh.positions, other.positions
+    if mesh.unit != other.unit:
+        raise ValueError(f"{one.file} has lengths in {mesh.unit}, {two.file} in {other.unit}; compare runs of one system of units")
     if np.array_equal(mesh.triangles, other.triangles) and np.allclose(x, y, rtol=0, atol=1e-9 * float(np.ptp(x, axis=0).max())):
         if all("mode_times_mass" in r[0] for r in (one, two)):
             ma, mb = (np.array([step["mode_times_mass"] for step in r]) for r in (one, two))

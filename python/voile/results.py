@@ -65,6 +65,7 @@ class Mesh:
 
     def __init__(self, record: h5py.Group) -> None:
         self.positions, self.triangles = record["positions"][...], record["triangles"][...]
+        self.unit = text(record["positions"].attrs["unit"])
         self.rest = record["rest"][...].reshape(-1, 3, 3) if "rest" in record else self.positions[self.triangles]
         self.source = text(record.attrs["source"])
         self.partition = {name: data[...] for name, data in record["partition"].items()}

@@ -34,6 +34,7 @@
 #include "launched_ranks.hpp"
 #include "option_hint.hpp"
 #include "petsc_session.hpp"
+#include "record/report.hpp"
 #include "setup/mesh_transfer.hpp"
 #include "simulation/run.hpp"
 #include "temporary_folder.hpp"
@@ -246,6 +247,7 @@ void show_info(const Request& request, const std::optional<input::Case>& c) {
   formats::MeshOptions options = c ? c->mesh.options : formats::MeshOptions{};
   options.allow_system_call = request.allow_system_call;
   const mesh::SurfaceMesh mesh = setup::load_mesh(MPI_COMM_WORLD, mesh_file, options);
+  if (c) mpi::on_root(MPI_COMM_WORLD, [&] { fmt::print("{}", record::units_text(*c)); });
   cli::info(MPI_COMM_WORLD, mesh, c ? c->element : energy::ElementOptions{});
 }
 

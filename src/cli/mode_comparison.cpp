@@ -126,7 +126,8 @@ ModeSet read_modes(const fs::path& folder) {
                     folder.string()));
   const results::StoredRun run(modes);
   if (run.steps().empty()) throw UserError(fmt::format("{}: it has no modes", run.file().string()));
-  ModeSet set{run.file(), run.mesh(run.steps().front().epoch).data, {}, {}, {}, {}};
+  results::StoredMesh mesh = run.mesh(run.steps().front().epoch);
+  ModeSet set{run.file(), std::move(mesh.data), std::move(mesh.unit), {}, {}, {}, {}};
   const auto rows = 3 * static_cast<Eigen::Index>(set.mesh.positions.size()),
              count = static_cast<Eigen::Index>(run.steps().size());
   const auto read = [&](const char* name) {
@@ -144,6 +145,9 @@ ModeSet read_modes(const fs::path& folder) {
 }
 
 ModeComparison compare(const ModeSet& first, const ModeSet& second, double near) {
+  if (first.length != second.length)
+    throw UserError(fmt::format("{} has lengths in {}, {} in {}; compare runs of one system of units",
+                                first.file.string(), first.length, second.file.string(), second.length));
   ModeComparison c;
   c.same_mesh = same_mesh(first.mesh, second.mesh);
   c.by_mass = c.same_mesh && first.mass_shapes.size() > 0 && second.mass_shapes.size() > 0;

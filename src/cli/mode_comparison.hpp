@@ -21,6 +21,7 @@ namespace voile::cli {
 struct ModeSet {
   std::filesystem::path file;
   mesh::MeshData mesh;
+  std::string length;           ///< unit of positions
   std::string quantity;         ///< what the values are: frequency_hz, critical_load_factor
   std::vector<double> values;   ///< of each mode
   Eigen::MatrixXd shapes;       ///< a column each, three rows per vertex

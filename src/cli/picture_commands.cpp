@@ -84,7 +84,8 @@ void RenderCommand::declare_look() {
   CLI::Option* field = sub_->add_option(
       "--field", show_.field, "Field as colour: NAME or NAME:COMPONENT, e.g. displacement:z, membrane_force:larger");
   sub_->add_option("--range", range_, "LOW,HIGH of the colours [of all steps shown]")->needs(field);
-  sub_->add_option("--scale", scale_, "Factor of displacements [1]; of a mode its largest displacement in m");
+  sub_->add_option("--scale", scale_,
+                   "Factor of displacements [1]; of a mode its largest displacement, in the unit of lengths");
   CLI::Option* partition =
       sub_->add_flag("--partition", show_.partition, "Colour by the rank of the run")->excludes(field);
   sub_->add_flag("--panels", show_.panels, "Colour panels (groups of triangles), with their borders")
@@ -108,8 +109,8 @@ void RenderCommand::declare_camera() {
       "--view", views_,
       "three-quarter, front, back, left, right, top, bottom or AZIMUTH,ELEVATION in degrees; several with / between "
       "them come on one sheet [three-quarter]");
-  CLI::Option* eye = sub_->add_option("--eye", eye_, "X,Y,Z of the camera in m, instead of a view");
-  sub_->add_option("--target", target_, "X,Y,Z of its target in m [the middle]")->needs(eye);
+  CLI::Option* eye = sub_->add_option("--eye", eye_, "X,Y,Z of the camera in the unit of lengths, instead of a view");
+  sub_->add_option("--target", target_, "X,Y,Z of its target likewise [the middle]")->needs(eye);
   sub_->add_option("--up", up_, "x, y, z, -x, -y, -z or X,Y,Z [against gravity, or z]");
 }
 

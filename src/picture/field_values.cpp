@@ -105,10 +105,9 @@ FieldValues field_values(const results::Field& field, const std::string& compone
   // Strains and curvatures have twice the tensor's component as their third.
   const double shear = field.name == "membrane_strain" || field.name == "curvature" ? 0.5 : 1.0;
   const auto columns = static_cast<std::size_t>(field.components);
-  const std::string unit = chosen->unit                                 ? chosen->unit
-                           : chosen->name == "angle"                    ? "rad"
-                           : field.name.starts_with("principal_stress") ? "Pa"
-                                                                        : field.unit;
+  const std::string unit = chosen->unit              ? chosen->unit
+                           : chosen->name == "angle" ? "rad"
+                                                     : field.unit.substr(0, field.unit.find(','));
   FieldValues result;
   result.label =
       field.name + (chosen->name.empty() ? "" : ", " + chosen->name) + (unit == "1" ? "" : fmt::format(" [{}]", unit));

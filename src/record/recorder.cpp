@@ -47,7 +47,8 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
     kept_.columns = columns();
     if (!has_folder()) return;
     if (model.contact()) obstacles_.emplace(model.contact()->scene().input(), model.dofs().mesh());
-    results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : results::ObstacleTriangles{});
+    results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : results::ObstacleTriangles{},
+                     input::UnitSystem(case_.units).label("m"));
     begin_epoch();
     history_.emplace(options.output / "history.csv", kept_.columns);
     if (std::vector<std::string> renamed = results_->renamed_groups(); !renamed.empty()) {
@@ -145,7 +146,7 @@ std::vector<double> Recorder::bodies_of(Vec a, Vec force, double time) const {
 Recorder::Snapshot Recorder::snapshot(Vec a, const Motion& motion) {
   Snapshot s = gathered(a, motion);
   if (root_) {
-    s.validity = assess(*model_, s.state.displacement);
+    s.validity = assess(*model_, s.state.displacement, linear_);
     warnings_.say_range(model_->dofs().mesh(), s.validity);
     warnings_.say_dimples(case_, model_->discretisation().sheet(), s.state.displacement);
   }

@@ -73,17 +73,22 @@ Reach reach_of(const energy::Material& material, const Vec3& e) {
   return most;
 }
 
-Validity assess(const system::Model& model, const std::vector<double>& displacement) {
+Validity assess(const system::Model& model, const std::vector<double>& displacement, bool linear) {
   const mesh::SurfaceMesh &mesh = model.dofs().mesh(), &sheet = model.discretisation().sheet().mesh(),
                           &before = model.discretisation().patches_before().mesh();
   const energy::Sheet& materials = model.discretisation().sheet();
   Validity v;
+  // So small a part of a linear displacement that its square does not count.
+  constexpr double of_cell = 1e-6;
+  double largest = 0.0;
+  for (const double u : displacement) largest = std::max(largest, std::abs(u));
+  const double part = linear && largest > 0.0 ? of_cell * std::sqrt(model.discretisation().mean_area()) / largest : 1.0;
   const double fraction = model.potential().drawn_in();
   const auto rest = [&](Index t, int i) -> Vec3 {
     return (1.0 - fraction) * before.rest_corner(t, i) + fraction * sheet.rest_corner(t, i);
   };
   const auto now = [&](Index i) -> Vec3 {
-    return mesh.positions()[i] + Eigen::Map<const Vec3>(displacement.data() + 3 * static_cast<std::size_t>(i));
+    return mesh.positions()[i] + part * Eigen::Map<const Vec3>(displacement.data() + 3 * static_cast<std::size_t>(i));
   };
   const auto normal = [](const Vec3& a, const Vec3& b, const Vec3& c) -> Vec3 { return (b - a).cross(c - a); };
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
@@ -91,7 +96,7 @@ Validity assess(const system::Model& model, const std::vector<double>& displacem
     const Vec3 x0 = now(i[0]), x1 = now(i[1]), x2 = now(i[2]);
     const Vec3 corner = rest(t, 0);
     const Vec3 rest_a = rest(t, 1) - corner, rest_b = rest(t, 2) - corner,
-               e = green_strain(rest_a, rest_b, x1 - x0, x2 - x0);
+               e = green_strain(rest_a, rest_b, x1 - x0, x2 - x0) / part;
     v.strain = std::max(v.strain, principal_size(e));
     const energy::Material& material = materials.material(t);
     const Vec3 elastic =
@@ -110,8 +115,8 @@ Validity assess(const system::Model& model, const std::vector<double>& displacem
       const double turn = std::remainder(
           turn_about(now(b) - now(a), n, normal(now(j[0]), now(j[1]), now(j[2]))) - rest_turn(mesh, t, s),
           2.0 * std::numbers::pi);
-      if (std::abs(turn) <= v.turn) continue;
-      v.turn = std::abs(turn);
+      if (std::abs(turn) / part <= v.turn) continue;
+      v.turn = std::abs(turn) / part;
       v.vertex_a = a;
       v.vertex_b = b;
     }

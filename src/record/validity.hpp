@@ -42,8 +42,8 @@ struct Validity {
 };
 
 /// Of the model's sheet at the time that it has: where it is gathered, its strain is that beyond the gathers. `displacement`: three
-/// components per vertex in global axes, mesh order [m]. Not collective.
-[[nodiscard]] Validity assess(const system::Model& model, const std::vector<double>& displacement);
+/// components per vertex in global axes, mesh order [m]. `linear`: strains and turns are those in proportion to it. Not collective.
+[[nodiscard]] Validity assess(const system::Model& model, const std::vector<double>& displacement, bool linear);
 
 /// A fraction in per cent, two figures where they say something; "more than 100 %" of estimates that only say so.
 [[nodiscard]] std::string percent_text(double fraction);

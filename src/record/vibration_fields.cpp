@@ -64,7 +64,7 @@ std::vector<double> VibrationFields::change(Vec u) {
 void VibrationFields::open(std::optional<results::ResultsWriter>& writer, const char* name) const {
   if (!root_ || writer || place_.folder.empty()) return;
   const mesh::Partition& p = place_.model.dofs().partition();
-  writer.emplace(place_.folder / name);
+  writer.emplace(place_.folder / name, results::ObstacleTriangles{}, place_.units.label("m"));
   writer->begin_epoch(place_.model.dofs().mesh(), p.vertex_rank, p.triangle_rank);
 }
 

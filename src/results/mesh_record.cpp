@@ -57,14 +57,14 @@ std::vector<mesh::Seam> read_seams(hid_t file, const std::string& where, const m
 
 }  // namespace
 
-void write_mesh_record(NewFile& file, const mesh::MeshData& mesh) {
+void write_mesh_record(NewFile& file, const mesh::MeshData& mesh, const std::string& length) {
   const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
   std::vector<double> flat_points;
   for (const Vec3& x : mesh.positions) flat_points.insert(flat_points.end(), x.begin(), x.end());
   file.group("mesh");
   file.text("mesh", "source", mesh.source);
   file.dataset("mesh/positions", H5T_NATIVE_DOUBLE, vertices, 3, flat_points.data());
-  file.text("mesh/positions", "unit", "m");
+  file.text("mesh/positions", "unit", length);
   file.dataset("mesh/triangles", H5T_NATIVE_INT32, triangles, 3, mesh.triangles.data());
   const auto numbers = [&](const char* name, const std::vector<std::size_t>& values) {
     const std::vector<std::int64_t> copy(values.begin(), values.end());

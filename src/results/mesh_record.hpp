@@ -10,8 +10,8 @@
 namespace voile::results {
 
 /// Under /mesh: positions, triangles, groups, texture, rest corners where there are, and the numbers that vertices and
-/// triangles had in their file; no notes.
-void write_mesh_record(NewFile& file, const mesh::MeshData& mesh);
+/// triangles had in their file; no notes. `length`: unit of positions.
+void write_mesh_record(NewFile& file, const mesh::MeshData& mesh, const std::string& length = "m");
 /// `where`: path of the record in the file; `path`: name of the file for messages. Throws UserError if it is damaged.
 [[nodiscard]] mesh::MeshData read_mesh_record(hid_t file, const std::string& where, const std::filesystem::path& path);
 

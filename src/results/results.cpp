@@ -70,7 +70,7 @@ void remove_old(const fs::path& folder) {
   remove_steps(folder / "steps");
 }
 
-void write_obstacles(const fs::path& folder, const ObstacleTriangles& obstacles) {
+void write_obstacles(const fs::path& folder, const ObstacleTriangles& obstacles, const std::string& length) {
   const std::size_t triangles = obstacles.triangles.size();
   if (obstacles.obstacle.size() != triangles)
     throw InternalError(fmt::format("{} of {} triangles have an obstacle", obstacles.obstacle.size(), triangles));
@@ -78,7 +78,7 @@ void write_obstacles(const fs::path& folder, const ObstacleTriangles& obstacles)
   file.texts("obstacles/names", obstacles.names);
   file.dataset("obstacles/positions", H5T_NATIVE_FLOAT, obstacles.positions.size(), 3,
                flat<float>(obstacles.positions).data());
-  file.text("obstacles/positions", "unit", "m");
+  file.text("obstacles/positions", "unit", length);
   file.dataset("obstacles/triangles", H5T_NATIVE_INT32, triangles, 3, obstacles.triangles.data());
   file.dataset("obstacles/obstacle", H5T_NATIVE_INT, triangles, 1, obstacles.obstacle.data());
   file.finish();
@@ -112,7 +112,7 @@ void write_vtk_mesh(NewFile& file, const mesh::SurfaceMesh& mesh, Catalogue& cat
 struct ResultsWriter::Impl {
   fs::path folder;
   ObstacleTriangles obstacles;
-  Catalogue catalogue{};
+  Catalogue catalogue;
   std::vector<Vec3> rest{};  ///< of the last epoch
   std::size_t triangles = 0;
   std::vector<std::string> grids{}, obstacle_grids{};  ///< XDMF of each step
@@ -182,9 +182,11 @@ void ResultsWriter::Impl::write_names() {
   index_cost = last_index - begin;
 }
 
-ResultsWriter::ResultsWriter(const fs::path& folder, ObstacleTriangles obstacles, Clock clock)
-    : impl_(
-          std::make_unique<Impl>(Impl{.folder = folder, .obstacles = std::move(obstacles), .now = std::move(clock)})) {
+ResultsWriter::ResultsWriter(const fs::path& folder, ObstacleTriangles obstacles, std::string length, Clock clock)
+    : impl_(std::make_unique<Impl>(Impl{.folder = folder,
+                                        .obstacles = std::move(obstacles),
+                                        .catalogue = Catalogue(std::move(length)),
+                                        .now = std::move(clock)})) {
   const Silence silence;
   remove_old(folder);
   std::error_code error;
@@ -192,7 +194,7 @@ ResultsWriter::ResultsWriter(const fs::path& folder, ObstacleTriangles obstacles
   if (error)
     throw UserError(fmt::format("{}: the folder for results cannot be created: {}", folder.string(), error.message()));
   if (impl_->obstacles.names.empty()) return;
-  write_obstacles(folder, impl_->obstacles);
+  write_obstacles(folder, impl_->obstacles, impl_->catalogue.length());
   if (impl_->obstacles.moves) impl_->catalogue.let_obstacles_move(impl_->obstacles.positions.size());
 }
 
@@ -212,7 +214,7 @@ void ResultsWriter::begin_epoch(const mesh::SurfaceMesh& mesh, const std::vector
   if (vertex_rank.size() != mesh.positions().size() || triangle_rank.size() != mesh.triangles().size())
     throw InternalError("the partition does not fit the mesh");
   NewFile file(impl_->folder / epoch_file(impl_->catalogue.epochs().size()));
-  write_mesh_record(file, mesh.data());
+  write_mesh_record(file, mesh.data(), impl_->catalogue.length());
   file.dataset("mesh/partition/vertices", H5T_NATIVE_INT, vertex_rank.size(), 1, vertex_rank.data());
   file.dataset("mesh/partition/triangles", H5T_NATIVE_INT, triangle_rank.size(), 1, triangle_rank.data());
   write_vtk_mesh(file, mesh, impl_->catalogue);

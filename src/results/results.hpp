@@ -62,10 +62,10 @@ class ResultsWriter {
  public:
   using Clock = std::function<std::chrono::steady_clock::time_point()>;
 
-  /// Creates the folder, without results of an earlier run. `clock` tells when names are due, see write(). Throws
-  /// UserError if the folder cannot be written.
+  /// Creates the folder, without results of an earlier run. `length`: unit of positions; `clock` tells when names are due, see
+  /// write(). Throws UserError if the folder cannot be written.
   explicit ResultsWriter(const std::filesystem::path& folder, ObstacleTriangles obstacles = {},
-                         Clock clock = std::chrono::steady_clock::now);
+                         std::string length = "m", Clock clock = std::chrono::steady_clock::now);
   ~ResultsWriter();
   ResultsWriter(ResultsWriter&&) noexcept;
   ResultsWriter& operator=(ResultsWriter&&) noexcept;

@@ -88,6 +88,10 @@ class Catalogue {
   /// Numbers of tables().
   enum { points, connectivity, offsets, types, obstacles };
 
+  /// `length`: unit of positions.
+  explicit Catalogue(std::string length) : length_(std::move(length)) {}
+  [[nodiscard]] const std::string& length() const { return length_; }
+
   /// Adds an epoch that lies in epoch_file(): its triangles, groups and partition.
   void begin_epoch(const mesh::SurfaceMesh& mesh);
   /// Adds a step of the last epoch that lies in step_file(). `moved`: it has points of its own.
@@ -109,6 +113,7 @@ class Catalogue {
   [[nodiscard]] std::string group_name(const mesh::Group& group);
 
  private:
+  std::string length_;
   Array& array(Centre centre, const std::string& path_name, Number number, std::size_t columns);
   void add_epoch_array(Centre centre, const std::string& path_name, const std::string& name, Number number,
                        const std::string& dataset);

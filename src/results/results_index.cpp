@@ -89,7 +89,7 @@ void write_own_steps(FileContent& file, const Catalogue& c) {
 }
 
 void write_units(FileContent& file, const Catalogue& c) {
-  file.text("VTKHDF/Points", "unit", "m");
+  file.text("VTKHDF/Points", "unit", c.length());
   for (const Array& a : c.arrays()) {
     file.text(a.table.path, "name", a.name);
     file.text(a.table.path, "centre", a.centre == Centre::vertex ? "vertex" : "triangle");

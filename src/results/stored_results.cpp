@@ -197,6 +197,7 @@ StoredMesh StoredResults::mesh(std::size_t epoch) const {
   StoredMesh stored;
   with_epoch(epoch, [&](hid_t at, const std::string& where, const fs::path& place) {
     stored.data = read_mesh_record(at, where, place);
+    stored.unit = read_text(at, where + "/positions", "unit", place);
     if (!has(at, where + "/partition")) return;
     const std::vector<std::int64_t> ranks = read_integers(at, where + "/partition/triangles", place);
     stored.triangle_rank.assign(ranks.begin(), ranks.end());

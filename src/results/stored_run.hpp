@@ -31,6 +31,7 @@ struct FieldInfo {
 struct StoredMesh {
   mesh::MeshData data;
   std::vector<int> triangle_rank;  ///< of each triangle in the run
+  std::string unit = "m";          ///< of positions
 };
 
 /// Not collective. Nothing is kept open: a run may go on writing. Everything is read in a process of its own first, since

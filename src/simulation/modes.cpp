@@ -106,12 +106,13 @@ std::vector<std::vector<double>> write_modes(const input::Case& c, const record:
                                              const Estimated& of) {
   std::vector<std::vector<double>> kept;
   const bool vibration = c.vibrates();
+  const input::UnitSystem units(c.units);
   std::optional<results::ResultsWriter> fields;
   std::optional<results::HistoryWriter> table;
   mpi::on_root(model.dofs().comm(), [&] {
     if (options.output.empty()) return;
     const mesh::Partition& p = model.dofs().partition();
-    fields.emplace(options.output / "modes");
+    fields.emplace(options.output / "modes", results::ObstacleTriangles{}, units.label("m"));
     fields->begin_epoch(model.dofs().mesh(), p.vertex_rank, p.triangle_rank);
     std::vector<std::string> columns{"mode", vibration ? "frequency_hz" : "critical_load_factor", "eigenvalue",
                                      "residual", "estimated_error"};
@@ -131,7 +132,8 @@ std::vector<std::vector<double>> write_modes(const input::Case& c, const record:
       if (c.stage.gives_modes && !fields) kept.push_back(shape);
       results::StepFields step{number, static_cast<double>(number), model.conditions().load_factor(), {}};
       step.fields.push_back({"mode", "1", results::Centre::vertex, 3, std::move(shape)});
-      if (!weighted.empty()) step.fields.push_back({"mode_times_mass", "kg", results::Centre::vertex, 3, weighted});
+      if (!weighted.empty())
+        step.fields.push_back({"mode_times_mass", units.label("kg"), results::Centre::vertex, 3, weighted});
       if (fields) fields->write(step);
       if (options.verbosity != record::Verbosity::quiet)
         fmt::print("{:>5} {:>16.8g} {:>12.2e} {:>14.2g}\n", number, mode.value, mode.residual, 100.0 * of.errors[i]);

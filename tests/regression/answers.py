@@ -50,7 +50,12 @@ def units_declared(report):
     for ending, words in (("obj", b"# lengths in mm"), ("stl", b"lengths in mm"), ("ply", b"comment lengths in mm")):
         code, said = invoke(["export", b.folder, "--output", OUT / f"units.{ending}"])
         report.check(code == 0 and words in (OUT / f"units.{ending}").read_bytes()[:200], f"an exported {ending} names the unit {said[:80]}")
-    report.check("N and Pa in this text stand for mm, N and MPa" in invoke(["check", OUT / "units_mm.toml"])[1], "and check")
+    report.check("N, J and Pa in this text stand for mm, N, mJ and MPa" in invoke(["check", OUT / "units_mm.toml"])[1], "and check")
+    report.check((b.results.mesh().unit, a.results.mesh().unit) == ("mm", "m"), "positions have them, too")
+    modes = [solve(f"units_modes_{k}", c | {"analysis": "modal", "load": []}, 1).folder for k, c in enumerate((metres, millimetres))]
+    code, said = invoke(["compare", *modes])
+    report.check(code == 2 and "lengths in m," in said and "in mm" in said, f"modes in m and mm are not compared: code {code} {said[-160:]}")
+    report.check("units: mm" in invoke(["info", OUT / "units_mm.toml"])[1], "info of the case names them")
     fabric = dict(metres, material=[{"type": "fabric", "fabric": "wool_tropical", "direction": [1, 0, 0]}], load=metres["load"][:1])
     small = copy.deepcopy(fabric) | {"units": {"length": "mm", "mass": "g", "time": "ms"}}
     small["mesh"]["scale"] = 1000
@@ -95,6 +100,10 @@ def linear_values(report):
     for estimate in ("membrane_error", "recovery_error"):
         report.percent(result.summary[estimate] / static[estimate], 0.02, f"{name}: {estimate} {static[estimate]:.2e} as of a small load")
     energy = {"probe": [{"name": "energy", "type": "energy"}]}
+    # A strip bent to many times its length, strainless: so say the strain that is linear, and the turn that is.
+    turned = [solve("linear_turned", strip("linear", nx=10, load=[{"type": "line", "group": "tip", "vector": [0, 0, size]}])).history for size in (1.0, 1e3)]
+    for column in ("largest_strain", "largest_turn"):
+        report.below(abs(turned[1][column][-1] - 1e3 * turned[0][column][-1]), 1e-6 * (1 + 1e3 * turned[0][column][-1]), f"{column} {turned[1][column][-1]:.3g} is proportional")
     dead, follower = (solve("linear_follower", strip("linear", nx=10, load=[{"type": kind, "magnitude": 1e-3}]) | energy).history["energy_bending"][-1]
                       for kind in ("pressure", "follower_pressure"))
     report.near(follower / dead, 1.0, 0.01, "energy of bending under a follower pressure over that of a dead one")

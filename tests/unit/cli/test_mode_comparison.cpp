@@ -18,7 +18,7 @@ namespace {
 
 /// Waves of a square plate: (1, 1), the pair (1, 2) and (2, 1), (2, 2).
 cli::ModeSet square(Index n) {
-  cli::ModeSet set{"square", testing::grid(n, n, true, 0.0), "frequency_hz", {2.0, 5.0, 5.0, 8.0}, {}, {}};
+  cli::ModeSet set{"square", testing::grid(n, n, true, 0.0), "m", "frequency_hz", {2.0, 5.0, 5.0, 8.0}, {}, {}};
   set.shapes = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(set.mesh.positions.size()), 4);
   constexpr double pi = std::numbers::pi;
   for (std::size_t v = 0; v < set.mesh.positions.size(); ++v) {

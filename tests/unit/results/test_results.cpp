@@ -308,7 +308,7 @@ TEST_CASE("names of steps are renewed twenty times their own cost apart, and at 
   const fs::path index = folder.path / "results.vtkhdf";
   // Each look at the clock is a millisecond later than the one before: so are a step and a renewal.
   std::chrono::steady_clock::time_point now{};
-  results::ResultsWriter writer(folder.path, {}, [&] { return now += std::chrono::milliseconds(1); });
+  results::ResultsWriter writer(folder.path, {}, "m", [&] { return now += std::chrono::milliseconds(1); });
   writer.begin_epoch(mesh, ramp(mesh.vertex_count()), ramp(mesh.triangle_count()));
   const auto named = [&] { return read(index, "/voile/steps/number").values.size(); };
   int steps = 0;
