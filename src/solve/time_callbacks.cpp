@@ -145,14 +145,16 @@ PetscErrorCode TimeIntegration::Impl::enforce(void* self, PetscReal t, Vec stage
 
 PetscErrorCode TimeIntegration::Impl::prescribe(void* self, Vec v, Vec a) {
   auto& n = *static_cast<Impl*>(self);
-  return petsc::guarded([&] {
-    const petsc::ReadArray velocities(n.held_v), accelerations(n.held_a);
-    for (const auto& [to, from] : {std::pair(v, &velocities), std::pair(a, &accelerations)}) {
-      if (!to) continue;
-      const petsc::WriteArray out(to);
-      for (const PetscInt i : n.model.conditions().led()) out[i] = (*from)[i];
-    }
-  });
+  return petsc::guarded([&] { n.take_rates(v, a); });
+}
+
+void TimeIntegration::Impl::take_rates(Vec v, Vec a) {
+  const petsc::ReadArray velocities(held_v), accelerations(held_a);
+  for (const auto& [to, from] : {std::pair(v, &velocities), std::pair(a, &accelerations)}) {
+    if (!to) continue;
+    const petsc::WriteArray out(to);
+    for (const PetscInt i : model.conditions().led()) out[i] = (*from)[i];
+  }
 }
 
 PetscErrorCode TimeIntegration::Impl::accepted(void* self, Vec x0, Vec x1, Vec v1) {
@@ -187,10 +189,12 @@ PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x,
     if (n.account) n.account->take_forces(n.start, x, x, v, a);
     VOILE_PETSC(VecCopy(x, n.start));
     // Drag and viscosity of the next half step, from when that begins: what is recorded here has those of this one.
-    if (n.remembers_start())
+    if (n.remembers_start()) {
       n.set_start(n.coming, x, v, t, h);
-    else
+      n.take_rates(n.coming.v, nullptr);  // a restart knows the velocities of what is held at the end of the step
+    } else {
       n.dynamics.start_step(x, v, h);
+    }
   });
 }
 

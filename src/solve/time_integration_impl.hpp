@@ -127,6 +127,8 @@ struct TimeIntegration::Impl {
                                  void* self);
   /// Whether forces at the end of a step depend on its start.
   [[nodiscard]] bool remembers_start() const;
+  /// Of what is held, where they are not null.
+  void take_rates(Vec v, Vec a);
   void set_start(system::StepStart& start, Vec x, Vec v, double time, double size);
 
   static PetscErrorCode start_step(void* self, Vec x, Vec v, PetscReal step);
