@@ -98,7 +98,20 @@ int RecoveryError::pieces_around(Index t, std::array<Piece, most>& pieces) const
   return grow(pieces, 1, {centre.begin(), centre.end()});
 }
 
-Vec3 RecoveryError::at_corner(Index t, int i, const std::vector<double>& values) const {
+RecoveryError::Complex RecoveryError::place_of_bending(const Piece& p) const {
+  const mesh::PatchMesh& patches = sheet_->patches();
+  Complex sum = 0.0;
+  int mirrored = 0;
+  for (int s = 0; s < 3; ++s) {
+    const Index apex = patches.apex(p.triangle, s);
+    if (apex == no_index || !patches.is_mirror(apex)) continue;
+    ++mirrored;
+    sum += 0.5 * (p.corner[static_cast<std::size_t>((s + 1) % 3)] + p.corner[static_cast<std::size_t>((s + 2) % 3)]);
+  }
+  return mirrored == 0 ? p.centre : sum / static_cast<double>(mirrored);
+}
+
+Vec3 RecoveryError::at_corner(Index t, int i, const std::vector<double>& values, bool bending) const {
   const mesh::SurfaceMesh& mesh = sheet_->mesh();
   const Flat& own = flat_[static_cast<std::size_t>(t)];
   std::array<Piece, most> pieces;
@@ -117,7 +130,7 @@ Vec3 RecoveryError::at_corner(Index t, int i, const std::vector<double>& values)
   const double size = std::sqrt(own.area);
   for (int k = 0; k < count; ++k) {
     const Piece& p = pieces[k];
-    const Complex c = (p.centre - own.corner[i]) / size;
+    const Complex c = ((bending ? place_of_bending(p) : p.centre) - own.corner[i]) / size;
     const double x = c.real(), y = c.imag();
     const double weight = flat_[static_cast<std::size_t>(p.triangle)].area / (1.0 + std::norm(c));
     Eigen::Matrix<double, 6, 1> basis;

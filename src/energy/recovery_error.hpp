@@ -37,7 +37,8 @@ class RecoveryError {
   /// At corner i of triangle t and in its material axes: the value there of a quadratic fitted to the symmetric tensors `values` of
   /// the triangles around (three per triangle, in material axes), of two or three rings that end where those above do. Not
   /// collective.
-  [[nodiscard]] Vec3 at_corner(Index t, int i, const std::vector<double>& values) const;
+  /// `bending`: they are of bending, which a triangle at a clamped edge has as at that edge, since the slope there is exact.
+  [[nodiscard]] Vec3 at_corner(Index t, int i, const std::vector<double>& values, bool bending) const;
   /// Whether tensors are smooth across side s of triangle t.
   [[nodiscard]] bool is_smooth(Index t, int s) const { return flat_[static_cast<std::size_t>(t)].goes_on[s]; }
 
@@ -63,6 +64,8 @@ class RecoveryError {
 
   [[nodiscard]] bool goes_on(Index t, int s) const;
   [[nodiscard]] Piece beyond(const Piece& from, int s) const;
+  /// Where the bending of a triangle is that of the fit.
+  [[nodiscard]] Complex place_of_bending(const Piece& p) const;
   int pieces_around(Index t, std::array<Piece, most>& pieces) const;
   /// Adds to the `count` pieces those connected with them that touch one of the vertices `core`.
   int grow(std::array<Piece, most>& pieces, int count, const std::vector<Index>& core) const;

@@ -89,15 +89,21 @@ std::vector<std::pair<Index, int>> smooth_parts(const mesh::SurfaceMesh& mesh, c
   return parts;
 }
 
-/// Stresses at vertices: of the side where von Mises's is largest, if several meet.
+/// Stresses at vertices from those of the triangles at both faces: of the part where von Mises's is largest, if several meet. What both
+/// have in common is of stretching, what they differ by of bending.
 Face at_vertices(const energy::Sheet& sheet, const energy::RecoveryError& recovery, const std::string& name,
-                 const std::vector<double>& stress) {
+                 const std::vector<double>& own, const std::vector<double>& other) {
   const mesh::SurfaceMesh& mesh = sheet.mesh();
   Face face(name, static_cast<std::size_t>(mesh.vertex_count()), results::Centre::vertex);
+  std::vector<double> mean(own.size()), bending(own.size());
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    mean[i] = 0.5 * (own[i] + other[i]);
+    bending[i] = 0.5 * (own[i] - other[i]);
+  }
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     Stress most = Stress::Zero();
     for (const auto& [t, corner] : smooth_parts(mesh, recovery, v)) {
-      const Stress s = recovery.at_corner(t, corner, stress);
+      const Stress s = recovery.at_corner(t, corner, mean, false) + recovery.at_corner(t, corner, bending, true);
       if (von_mises(s) > von_mises(most)) most = s;
     }
     face.set(static_cast<std::size_t>(v), most);
@@ -159,8 +165,8 @@ std::vector<results::Field> stress_fields(const energy::Sheet& sheet, const syst
   bottom.add_to(out, true);
   top.add_to(out, true);
   const energy::RecoveryError recovery(sheet);
-  at_vertices(sheet, recovery, "bottom_at_vertices", bottom.values()).add_to(out, true);
-  at_vertices(sheet, recovery, "top_at_vertices", top.values()).add_to(out, true);
+  at_vertices(sheet, recovery, "bottom_at_vertices", bottom.values(), top.values()).add_to(out, true);
+  at_vertices(sheet, recovery, "top_at_vertices", top.values(), bottom.values()).add_to(out, true);
   for (const Face& f : inner) f.add_to(out, false);
   return out;
 }

@@ -385,6 +385,23 @@ def stress_at_vertices(report):
 
 
 @test
+def stress_at_clamps(report):
+    """Stresses at the vertices of clamped edges, where they are largest, and of an edge with a moment: a strip clamped at both ends under q has q l^2/12 there."""
+    length, thickness, q = 0.6, 2e-3, 1e3
+    base = {"analysis": "linear", "material": [{"type": "isotropic", "young": 1e9, "poisson": 0.0, "thickness": thickness}], "output": {"stresses": "surface"}}
+    for pattern in (0, 1, 2):
+        mesh = {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": length, "width": 0.2, "nx": 32, "ny": 10, "pattern": pattern}}
+        step = solve("clamp_stress", base | {"mesh": mesh, "support": [{"type": "clamped", "group": ["clamp", "tip"]}], "load": [{"type": "area", "vector": [0, 0, q]}]}).results[-1]
+        x = step.mesh.positions
+        at = (x[:, 0] < 1e-9) & (np.abs(x[:, 1] - 0.1) < 0.07)
+        ratio = np.abs(step["stress_top_at_vertices"][at, 0]) * thickness**2 / 6 / (q * length**2 / 12)
+        report.below(np.abs(ratio - 1).max(), 0.02, f"pattern {pattern}, {at.sum()} vertices of a clamped edge: stress, error")
+        step = solve("moment_stress", base | {"mesh": mesh, "support": [{"type": "clamped", "group": "clamp"}], "load": [{"type": "follower_moment", "group": "tip", "magnitude": 1.0}]}).results[-1]
+        at = x[:, 0] > length - 1e-9
+        report.below(np.abs(-step["stress_top_at_vertices"][at, 0] * thickness**2 / 6 - 1).max(), 1e-3, f"pattern {pattern}, an edge with a moment: stress, error")
+
+
+@test
 def probed_means(report):
     """The mean of a group is that over its length or area, also where cells are of very different sizes."""
     folder = fresh("probed_mesh")
