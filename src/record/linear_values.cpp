@@ -36,6 +36,10 @@ void LinearValues::unbalanced_force(Vec f) {
   model_.unbalanced_force(backward_, other);
   model_.potential().hold_natural_states(false);
   VOILE_PETSC(VecAXPY(f, -1.0, other));
+  model_.applied_forces(forward_, other);  // loads are those of the start
+  VOILE_PETSC(VecAXPY(f, 1.0, other));
+  model_.applied_forces(backward_, other);
+  VOILE_PETSC(VecAXPY(f, -1.0, other));
   VOILE_PETSC(VecScale(f, 0.5 / small_));
   model_.unbalanced_force(rest_, other);
   VOILE_PETSC(VecAXPY(f, 1.0, other));

@@ -281,7 +281,7 @@ NewtonResult Newton::linear_step(Vec a) {
   const int before = n.linear.factorisations();
   n.model.residual(a, n.residual);
   n.model.potential().hold_natural_states(true);  // stresses of the load do not stiffen
-  n.model.assemble_tangent(a, {.kind = energy::Tangent::exact});
+  n.model.assemble_tangent(a, {.kind = energy::Tangent::exact, .loads = false});
   n.model.potential().hold_natural_states(false);
   n.linear.tangent_changed();
   result.converged = n.linear.solve(n.residual, n.increment);

@@ -82,6 +82,10 @@ void Model::follower_forces(Vec a, Vec f) {
   VOILE_PETSC(VecScale(f, -1.0));
 }
 
+void Model::applied_forces(Vec a, Vec f) {
+  conditions_->applied_forces(potential_->configuration(a), force_, f);
+}
+
 void Model::residual(Vec a, Vec r) {
   const petsc::EventScope scope(petsc::events().residual);
   unbalanced_force(a, r);
@@ -134,8 +138,12 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   const int pattern = tangent_.pattern_version();
   potential_->write_tangent(c, tangent, pattern, values, request.bending);
   if (constant.has_damping() && request.damping > 0.0) constant.add_damping(tangent, values, request.damping);
-  conditions_->add_blocks(c, tangent, pattern, values, tangent_.change());
-  if (!dofs().motions().empty()) conditions_->add_body_blocks(c, potential_->point_forces(c), tangent, values);
+  if (request.loads)
+    conditions_->add_blocks(c, tangent, pattern, values, tangent_.change());
+  else
+    tangent_.change().clear();
+  if (!dofs().motions().empty() && request.loads)
+    conditions_->add_body_blocks(c, potential_->point_forces(c), tangent, values);
   if (request.extra) request.extra->add_blocks(c, dofs(), tangent, pattern, values);
   if (request.mass > 0.0 && request.mass_matrix)
     tangent.add_values_from(*request.mass_matrix, request.mass);

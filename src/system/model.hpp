@@ -81,6 +81,8 @@ class Model {
   void residual(Vec a, Vec r);
   /// Internal minus applied forces on every component, fixed ones included: there it is the reaction. Collective.
   void unbalanced_force(Vec a, Vec f);
+  /// Overwrites f with all applied forces in state a. Collective. [N]
+  void applied_forces(Vec a, Vec f);
   /// Overwrites f with the forces of follower loads in state a. Collective. [N]
   void follower_forces(Vec a, Vec f);
   /// Strains, forces and curvatures of the triangles. Collective; values on rank 0.

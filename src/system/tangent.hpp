@@ -24,6 +24,7 @@ struct TangentRequest {
   Vec masses = nullptr;                      ///< lumped masses instead of the model's, per unknown [kg]; may be null
   Term* extra = nullptr;                     ///< one more term, at the same configuration; null: none
   bool exact_contact = false;                ///< contact with its negative eigenvalues
+  bool loads = true;                         ///< with what loads that turn with the sheet or a body change by
 };
 
 /// Entries of fixed rows and columns, in the value arrays of a matrix.

@@ -107,6 +107,9 @@ def linear_values(report):
     dead, follower = (solve("linear_follower", strip("linear", nx=10, load=[{"type": kind, "magnitude": 1e-3}]) | energy).history["energy_bending"][-1]
                       for kind in ("pressure", "follower_pressure"))
     report.near(follower / dead, 1.0, 0.01, "energy of bending under a follower pressure over that of a dead one")
+    for kind, group in (("follower_pressure", "plate"), ("follower_moment", "tip")):
+        one, many = (solve("linear_far", strip("linear", nx=10, load=[{"type": kind, "group": group, "magnitude": size}])).history["tip_z"][-1] for size in (1.0, 1e6))
+        report.below(abs(many / one / 1e6 - 1), 1e-9, f"deflection under a {kind}, 1e6 times as large, over that of one")
     moment = strip("linear", nx=10, load=[{"type": "follower_moment", "group": "tip", "magnitude": 0.1}]) | energy
     # m^2 L/(2 D)
     report.percent(solve("linear_moment", moment).history["energy_bending"][-1] / (0.1**2 * 10 / (2 * 1.2e6 * 0.1**3 / 12)), 1e-4, "energy of bending under a moment at the edge")
