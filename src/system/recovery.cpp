@@ -96,11 +96,11 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, Index
     }
     const Mat3 in_plane = bend - (bend * normal) * normal.transpose();
     f.in_plane[static_cast<std::size_t>(r.triangle)] = 0.5 * in_plane.cwiseProduct(stiffness * in_plane).sum();
-    store(f.whole_curvature, r.triangle, kappa + r.rest_curvature);
-    if (from.natural) kappa -= from.natural->curvature_change(r.triangle);
     if (energy::couples(sheet.material(r.triangle)))  // slopes of free sides follow the strain
       kappa += (Mat3::Identity() - energy::free_side_projector(sheet, r.triangle)) *
                Eigen::LLT<Mat3>(stiffness).solve(coupling * strain);
+    store(f.whole_curvature, r.triangle, kappa + r.rest_curvature);
+    if (from.natural) kappa -= from.natural->curvature_change(r.triangle);
     store(f.curvature, r.triangle, kappa);
     store(f.bending_moment, r.triangle, stiffness * kappa - coupling * strain);
     store(f.membrane_force, r.triangle, from.membrane.force(r.membrane, strain) - coupling * kappa);

@@ -100,6 +100,12 @@ def linear_values(report):
     for estimate in ("membrane_error", "recovery_error"):
         report.percent(result.summary[estimate] / static[estimate], 0.02, f"{name}: {estimate} {static[estimate]:.2e} as of a small load")
     energy = {"probe": [{"name": "energy", "type": "energy"}]}
+    laminate = strip("linear", nx=10, material=[{"type": "laminate", "young_1": 1.4e11, "young_2": 1e10, "poisson_12": 0.3, "shear_12": 5e9, "angles": [0, 30, 90],
+                                                 "ply_thicknesses": [1e-3], "direction": [1, 0.5, 0]}], load=[{"type": "line", "group": "tip", "vector": [2e3, 100, 300]}])
+    large = copy.deepcopy(laminate)
+    large["load"][0]["vector"] = [2e6, 1e5, 3e5]
+    one, many = (solve("linear_coupled", c).summary["membrane_error"] for c in (laminate, large))
+    report.below(abs(many / one - 1), 1e-3, f"membrane_error {one:.2e} of a laminate that couples, of a thousand times the load over that of one")
     # A strip bent to many times its length, strainless: so say the strain that is linear, and the turn that is.
     turned = [solve("linear_turned", strip("linear", nx=10, load=[{"type": "line", "group": "tip", "vector": [0, 0, size]}])).history for size in (1.0, 1e3)]
     for column in ("largest_strain", "largest_turn"):
