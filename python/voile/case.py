@@ -58,7 +58,7 @@ class Case(dict[str, Any]):
 
     def to_toml(self) -> str:
         """Plain keys, then one section per table."""
-        lines = [f"{_key(k)} = {_value(v)}" for k, v in self.items() if not _is_section(v) and v != []]
+        lines = [f"{_key(k)} = {_value(v)}" for k, v in self.items() if not (_is_section(v) or (isinstance(v, list) and not v))]
         for name, value in self.items():
             if isinstance(value, Mapping):
                 lines += ["", f"[{_key(name)}]"] + [f"{_key(k)} = {_value(v)}" for k, v in value.items()]

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cmath>
 #include <memory>
 #include <set>
 #include <string>
@@ -272,7 +273,8 @@ void declare_arrays(py::class_<Held>& c) {
              py::dict all;
              for (std::size_t k = 0; k < h.columns.size(); ++k) {
                std::vector<double> column;
-               for (const auto& row : h.rows) column.push_back(row[k]);
+               for (const auto& row : h.rows)  // what does not exist is empty in history.csv
+                 column.push_back(std::isfinite(row[k]) ? row[k] : std::nan(""));
                all[py::str(h.columns[k])] = rows(column, 1);
              }
              return all;

@@ -46,9 +46,13 @@ std::vector<Field> Recorder::stresses(const system::TriangleFields& t, const Wan
   return found;
 }
 
-// A linear solution is of any size: its round-off is relative to its displacements.
+// A linear solution is of any size: its round-off is relative to its displacements. Where the sheet grows by itself, what it stores
+// is judged beside that.
 double Recorder::round_off_strain(Vec a) const {
-  if (!linear_) return no_strain;
+  constexpr double part_of_growth = 1e-3;
+  if (!linear_)
+    return std::max(no_strain, part_of_growth * std::abs(model_->conditions().load_factor()) *
+                                   model_->potential().natural_growth());
   double largest = 0.0;
   VOILE_PETSC(VecNorm(a, NORM_INFINITY, &largest));
   return no_strain * largest / std::sqrt(model_->discretisation().mean_area());
