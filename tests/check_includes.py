@@ -29,16 +29,17 @@ LAYERS = {
     "gmsh": {"results", "formats", "mesh", "base"},
     "setup": {"input", "pattern", "results", "formats", "solve", "linear", "system", "untangle", "contact", "adapt", "energy", "geometry", "mesh", "base"},
     "record": {"setup", "input", "results", "formats", "solve", "linear", "system", "contact", "energy", "geometry", "mesh", "base"},
+    "remesh": {"record", "setup", "input", "results", "solve", "linear", "system", "contact", "adapt", "energy", "geometry", "mesh", "base"},
     # With what is behind the interface of the library, include/voile/*.hpp.
-    "simulation": {"record", "setup", "input", "pattern", "results", "formats", "solve", "linear", "system", "untangle", "contact", "adapt", "energy", "geometry", "mesh", "base"},
+    "simulation": {"remesh", "record", "setup", "input", "pattern", "results", "formats", "solve", "linear", "system", "untangle", "contact", "adapt", "energy", "geometry", "mesh", "base"},
     "python": set(),
-    "cli": {"simulation", "record", "setup", "fit", "input", "picture", "manikin", "pattern", "results", "formats", "solve", "linear", "system", "energy", "geometry", "mesh", "base"},
+    "cli": {"simulation", "remesh", "record", "setup", "fit", "input", "picture", "manikin", "pattern", "results", "formats", "solve", "linear", "system", "energy", "geometry", "mesh", "base"},
 }
 
 # Header -> files that may include it, as "<layer>/<file without suffix>" patterns. The first match counts.
 THIRD_PARTY = [
     (r"pybind11/.*|petsc4py/.*", r"python/core"),
-    (r"petsc.*\.h", r"base/petsc.*|system/.*|linear/.*|solve/.*|input/.*|setup/.*|record/.*|simulation/.*|cli/.*"),
+    (r"petsc.*\.h", r"base/petsc.*|system/.*|linear/.*|solve/.*|input/.*|setup/.*|record/.*|remesh/.*|simulation/.*|cli/.*"),
     (r"slepc.*\.h", r"solve/.*"),
     (r"metis\.h", r"mesh/partition|.*/mumps.*"),
     (r"[sd]mumps_c\.h", r".*/mumps.*"),
@@ -53,7 +54,7 @@ THIRD_PARTY = [
     (r"muParser\.h", r"input/case_expression"),
     (r"mpi\.h", r"base/mpi.*|cli/main|simulation/.*"),
     (r"pugixml\.hpp", r"pattern/svg"),
-    (r"nlohmann/.*", r"cli/.*|setup/.*|record/.*|simulation/.*|input/.*|pattern/garmentcode|picture/export_gltf|picture/viewer"),
+    (r"nlohmann/.*", r"cli/.*|setup/.*|record/.*|remesh/.*|simulation/.*|input/.*|pattern/garmentcode|picture/export_gltf|picture/viewer"),
     (r"CLI/.*", r"cli/.*"),
     (r"boost/math/.*", r"pattern/curve"),
     (r"Eigen/.*", r".*"),

@@ -9,6 +9,7 @@
 #include "record/probes.hpp"
 #include "record/report.hpp"
 #include "record/validity.hpp"
+#include "remesh/remesher.hpp"
 #include "setup/free_motions.hpp"
 #include "setup/garment.hpp"
 #include "setup/gas_rims.hpp"
@@ -18,7 +19,6 @@
 #include "setup/start_supports.hpp"
 #include "simulation/contact_start.hpp"
 #include "simulation/excitation.hpp"
-#include "simulation/remesher.hpp"
 #include "simulation/restart.hpp"
 #include "simulation/sewing.hpp"
 #include "simulation/stages.hpp"
@@ -112,14 +112,14 @@ void check(MPI_Comm comm, const input::Case& whole) {
   if (!c.mesh.start.empty()) model.dofs().scatter(simulation::start_shape(comm, c, mesh), start);
   setup::check_start_supports(c, model, start);
   const system::TriangleFields at_rest = model.triangle_fields(start);
-  simulation::check_remesh(comm, c, mesh);
+  remesh::check_remesh(comm, c, mesh);
   std::string outlook;
   if (c.remesh.active) {
     const auto first = std::make_shared<const mesh::SurfaceMesh>(mesh.data());
     results::Checkpoint at_start;
     at_start.displacement = simulation::start_shape(comm, c, mesh);
-    simulation::Epoch epoch(comm, c, *first, stages.front().input, stages.front().frozen, at_start);
-    outlook = simulation::remesh_outlook(stages.front(), first, epoch);
+    remesh::Epoch epoch(comm, c, *first, stages.front().input, stages.front().frozen, at_start);
+    outlook = remesh::remesh_outlook(stages.front(), first, epoch);
   }
   if (model.contact()) simulation::examine_start(c, *model.contact(), start);
   mpi::on_root(comm, [&] {

@@ -10,7 +10,7 @@
 #include "excitation.hpp"
 #include "record/probes.hpp"
 #include "record/report.hpp"
-#include "remesher.hpp"
+#include "remesh/remesher.hpp"
 #include "restart.hpp"
 #include "setup/garment.hpp"
 #include "setup/group_names.hpp"
@@ -34,14 +34,14 @@ Mesh load_case_mesh(MPI_Comm comm, const input::Case& c) {
   if (!remeshes(c) && std::none_of(c.stages.begin(), c.stages.end(), remeshes))
     return std::make_shared<const mesh::SurfaceMesh>(std::move(mesh));
   mesh::MeshData data = mesh.data();
-  name_probes(c, data);
+  remesh::name_probes(c, data);
   return std::make_shared<const mesh::SurfaceMesh>(std::move(data));
 }
 
 /// The first epoch of a stage, with a start that contact allows.
 std::unique_ptr<Epoch> open_epoch(const Stage& stage, const mesh::SurfaceMesh& mesh, const results::Checkpoint& state,
                                   bool is_first) {
-  check_remesh(stage.options.comm, stage.c, mesh);
+  remesh::check_remesh(stage.options.comm, stage.c, mesh);
   auto epoch = std::make_unique<Epoch>(stage.options.comm, stage.c, mesh, stage.input, stage.frozen, state);
   (void)record::Probes(stage.c, epoch->model());  // what is wrong with them must show before old results go
   record::report_model(stage.c, stage.options, epoch->model(), is_first);
@@ -142,7 +142,7 @@ void CaseRun::end_stage() {
   summaries_.emplace_back(name, stage_->end());
   modes_[name] = std::move(summaries_.back().second.mode_shapes);
   mesh_ = stage_->mesh();
-  state_ = gather(stage_->epoch().state(), stage_->epoch().model());
+  state_ = remesh::gather(stage_->epoch().state(), stage_->epoch().model());
 }
 
 bool CaseRun::finished() const {

@@ -9,7 +9,7 @@
 #include "base/mpi.hpp"
 #include "formats/mesh_file.hpp"
 #include "input/case_differences.hpp"
-#include "remesher.hpp"
+#include "remesh/remesher.hpp"
 #include "results/stored_step.hpp"
 #include "setup/group_names.hpp"
 #include "setup/mesh_transfer.hpp"
@@ -203,7 +203,7 @@ std::shared_ptr<const mesh::SurfaceMesh> mesh_of_start(const input::Case& c, con
   mesh::MeshData data;
   mpi::on_root(options.comm, [&] {
     data = stored_mesh(c, options, *first);
-    if (!data.triangles.empty()) rename_probes(c, *first, data);
+    if (!data.triangles.empty()) remesh::rename_probes(c, *first, data);
   });
   setup::broadcast_mesh(options.comm, data);
   if (data.triangles.empty()) return first;

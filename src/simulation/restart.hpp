@@ -1,13 +1,15 @@
 // States to continue from.
 #pragma once
 
-#include "epoch.hpp"
 #include "input/case.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "record/run_options.hpp"
+#include "remesh/epoch.hpp"
 #include "results/checkpoint.hpp"
 
 namespace voile::simulation {
+
+using remesh::Origin;
 
 /// Displacements from the mesh to the shape of `mesh.start`, three per vertex in mesh order, on rank 0; empty if the
 /// case has none. Collective. Throws UserError if that file holds another mesh.

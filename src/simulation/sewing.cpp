@@ -10,9 +10,9 @@
 #include "base/mpi.hpp"
 #include "base/text.hpp"
 #include "base/wildcard.hpp"
-#include "carry.hpp"
 #include "mesh/weld.hpp"
 #include "pattern/seams.hpp"
+#include "remesh/carry.hpp"
 #include "seam_obstruction.hpp"
 #include "setup/mesh_transfer.hpp"
 #include "setup/model_input.hpp"
@@ -193,7 +193,7 @@ std::string open_seam_text(const input::Case& c, const system::Model& model, con
   std::string text;
   if (c.stage.sew.empty()) return text;
   const mesh::SurfaceMesh& mesh = model.dofs().mesh();
-  const std::vector<double> displacement = gather(state, model).displacement;
+  const std::vector<double> displacement = remesh::gather(state, model).displacement;
   const system::Contact* contact = model.contact();
   const std::vector<Vec3> positions = contact != nullptr ? contact->scene().positions(state.u) : std::vector<Vec3>{};
   mpi::on_root(model.dofs().comm(), [&] {

@@ -133,7 +133,7 @@ void StageRun::take(const StepResult& r) {
   const bool looks = !r.mode && (!is_start || origin_ == Origin::nothing || origin_ == Origin::restart);
   if (accepted && remesher_ && looks && remesher_->due(*epoch_, finished)) {
     recorder_.write_pending();
-    if (std::optional<RemeshResult> next =
+    if (std::optional<remesh::RemeshResult> next =
             remesher_->adapt(*epoch_, [&](const auto& text) { recorder_.remark(text); })) {
       epoch_ = std::move(next->epoch);
       mesh_ = std::move(next->mesh);
@@ -150,7 +150,7 @@ void StageRun::end_epoch() {
   const system::State& state = epoch_->state();
   done_ = !all_.completed || !epoch_->ends_at(state.time);
   if (done_) return;
-  const results::Checkpoint start = gather(state, epoch_->model());
+  const results::Checkpoint start = remesh::gather(state, epoch_->model());
   recorder_.write_pending();
   epoch_ = std::make_unique<Epoch>(comm(), stage_.c, epoch_->model().dofs().mesh(), stage_.input, stage_.frozen, start);
   recorder_.remark(fmt::format("t = {:.6g} s: {} support(s) hold", start.time, epoch_->support_count()));
@@ -208,9 +208,12 @@ StageRun::Saved StageRun::save() const {
   // What a signal has stopped goes on from here.
   solve::RunStatistics all = all_;
   const bool stopped = std::exchange(all.interrupted, false);
-  return {
-      mesh_,  gather_whole(epoch_->state(), epoch_->model()), all, recorder_.history().rows.size(), done_ && !stopped,
-      forces_};
+  return {mesh_,
+          remesh::gather_whole(epoch_->state(), epoch_->model()),
+          all,
+          recorder_.history().rows.size(),
+          done_ && !stopped,
+          forces_};
 }
 
 void StageRun::restore(const Saved& saved) {
@@ -242,7 +245,7 @@ record::Summary StageRun::end() {
                          : fmt::format("stopped by a signal; continue with --restart {}", checkpoints_.file().string());
   if (summary.converged && c.finds_modes()) run_modes(c, stage_.options, model, state.u, summary);
   if (remesher_) summary.remeshing = remesher_->effort();
-  if (remesher_ && !text_of(*summary.remeshing).empty()) recorder_.remark(text_of(*summary.remeshing));
+  if (remesher_ && !remesh::text_of(*summary.remeshing).empty()) recorder_.remark(remesh::text_of(*summary.remeshing));
   recorder_.finish();
   if (!c.stage.sew.empty()) recorder_.report_seams(state);
   summary.membrane_error = recorder_.membrane_error();

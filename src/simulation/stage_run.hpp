@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "carry.hpp"
-#include "epoch.hpp"
 #include "record/recorder.hpp"
 #include "record/summary.hpp"
-#include "remesher.hpp"
+#include "remesh/carry.hpp"
+#include "remesh/epoch.hpp"
+#include "remesh/remesher.hpp"
 #include "stages.hpp"
 
 namespace voile::simulation {
@@ -80,8 +80,8 @@ class StageRun {
   Origin origin_;
   double cpu_before_;
   record::Recorder recorder_;
-  Checkpoints checkpoints_;
-  std::optional<Remesher> remesher_;
+  remesh::Checkpoints checkpoints_;
+  std::optional<remesh::Remesher> remesher_;
   solve::Stepper* stepper_ = nullptr;
   solve::RunStatistics all_;
   bool done_ = false;

@@ -13,7 +13,7 @@
 #include "input/case_keys.hpp"
 #include "record/probes.hpp"
 #include "record/summary.hpp"
-#include "remesher.hpp"
+#include "remesh/remesher.hpp"
 #include "setup/free_motions.hpp"
 #include "setup/model_input.hpp"
 #include "solve/load_path.hpp"
@@ -356,7 +356,7 @@ void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {
   require_excitation(stage.c, model);
   require_growth(stage.c, model);
   (void)record::Probes(stage.c, model);
-  check_remesh(stage.options.comm, stage.c, mesh);
+  remesh::check_remesh(stage.options.comm, stage.c, mesh);
 } catch (const UserError& e) {
   // The file stands before the stage, not between it and the section.
   std::string_view what = e.what();

@@ -4,23 +4,16 @@
 #include <optional>
 #include <vector>
 
-#include "epoch.hpp"
 #include "input/case.hpp"
 #include "record/run_options.hpp"
-#include "system/model.hpp"
+#include "remesh/epoch.hpp"
+#include "remesh/stage.hpp"
 
 namespace voile::simulation {
 
-/// One stage, with what PETSc's options say in force.
-struct Stage {
-  input::Case c;
-  record::RunOptions options;  ///< with the folder of the stage
-  system::ModelInput input;
-  std::vector<char> frozen;                ///< per support: in this stage it no longer moves
-  std::vector<char> in_time{};             ///< per support: it moves in time, or has done so before
-  std::vector<std::string> sewn_before{};  ///< seams that earlier stages have closed
-  std::optional<double> held_at{};  ///< load factor of the path before at which something is held; absent: nothing is
-};
+using remesh::Epoch;
+using remesh::Origin;
+using remesh::Stage;
 
 /// A case without stages is one. Reads the files of obstacles, each once. What a support of a later stage has held
 /// before stays where it is: its `value` is spent, and a motion does not go by another clock. Loads that have acted

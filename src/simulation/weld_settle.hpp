@@ -4,10 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "epoch.hpp"
+#include "remesh/epoch.hpp"
 #include "system/dynamics_options.hpp"
 
 namespace voile::simulation {
+
+using remesh::Epoch;
 
 /// Lets the fabric along newly welded seams unfold without motion, a few cells far, as long as that sets energy free, and
 /// enters what it has set free in the balance of energy. Velocities stay. Says what it did; empty if nothing is to be done.

@@ -4,12 +4,12 @@
 
 #include "adapt/transfer.hpp"
 #include "base/mpi.hpp"
-#include "remesh_made.hpp"
+#include "new_mesh.hpp"
 #include "remesher.hpp"
 #include "solve/relaxation.hpp"
 #include "system/contact.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 namespace {
 
@@ -96,4 +96,4 @@ double Remesher::settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before, co
   return energy_change(before, ledger(fresh), fresh);
 }
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

@@ -7,7 +7,7 @@
 #include "results/checkpoint.hpp"
 #include "system/model.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 /// Where new vertices come from, the same on every rank.
 struct Origins {
@@ -33,4 +33,4 @@ void carry_slips(const mesh::SurfaceMesh& old_mesh, const mesh::SurfaceMesh& mes
 void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, const Origins& from,
                    results::Checkpoint& c);
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

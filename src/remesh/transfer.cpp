@@ -1,5 +1,5 @@
 // What is remembered per vertex, on a new mesh.
-#include "remesh_carry.hpp"
+#include "transfer.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -10,7 +10,7 @@
 #include "system/attachments.hpp"
 #include "system/contact.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 Origins origins_of(MPI_Comm comm, const adapt::Remeshed& from) {
   Origins origins;
@@ -117,4 +117,4 @@ void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, co
   c.anchors = system::numbers_of(carried);
 }
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

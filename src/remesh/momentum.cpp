@@ -3,12 +3,12 @@
 
 #include "adapt/transfer.hpp"
 #include "base/mpi.hpp"
-#include "remesh_carry.hpp"
-#include "remesh_made.hpp"
+#include "new_mesh.hpp"
 #include "remesher.hpp"
 #include "setup/mesh_transfer.hpp"
+#include "transfer.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 namespace {
 
@@ -127,4 +127,4 @@ void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& befor
   fresh.model().dofs().scatter(values, fresh.state().v);
 }
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

@@ -8,14 +8,14 @@
 
 #include "base/mpi.hpp"
 #include "input/expression.hpp"
+#include "new_mesh.hpp"
 #include "record/discretisation_error.hpp"
-#include "remesh_made.hpp"
 #include "remesher.hpp"
 #include "setup/obstacle_sizes.hpp"
 #include "system/contact.hpp"
 #include "voile/errors.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 namespace {
 
@@ -383,4 +383,4 @@ double Remesher::expected_vertices() const {
   return size_.empty() ? 0.0 : vertices_of(*first_, size_, frozen_triangles(keys_, *first_)).all();
 }
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

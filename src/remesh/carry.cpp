@@ -6,7 +6,7 @@
 #include "system/contact.hpp"
 #include "voile/errors.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 namespace {
 
@@ -152,4 +152,4 @@ void Checkpoints::write(const system::State& s, const system::Model& model) {
   last_ = Clock::now();
 }
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

@@ -8,7 +8,7 @@
 #include "adapt/sizing.hpp"
 #include "remesher.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 /// A new mesh on every rank, and on rank 0 where it comes from.
 struct Remesher::NewMesh {
@@ -33,4 +33,4 @@ struct Remesher::NewMesh {
   return values;
 }
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

@@ -16,9 +16,9 @@
 #include "results/results.hpp"
 #include "setup/background_size.hpp"
 #include "setup/obstacle_sizes.hpp"
-#include "stages.hpp"
+#include "stage.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 /// An epoch on a mesh of its own.
 struct RemeshResult {
@@ -123,4 +123,4 @@ void rename_probes(const input::Case& c, const mesh::SurfaceMesh& first, mesh::M
 [[nodiscard]] std::string remesh_outlook(const Stage& stage, const std::shared_ptr<const mesh::SurfaceMesh>& mesh,
                                          Epoch& epoch);
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

@@ -9,7 +9,7 @@
 #include "system/model.hpp"
 #include "system/state.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 /// Collective.
 [[nodiscard]] results::Checkpoint gather(const system::State& state, const system::Model& model);
@@ -38,4 +38,4 @@ class Checkpoints {
   Clock::time_point last_ = Clock::now();
 };
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

@@ -11,14 +11,14 @@
 #include "base/mpi.hpp"
 #include "carry.hpp"
 #include "input/expression.hpp"
-#include "remesh_carry.hpp"
-#include "remesh_made.hpp"
+#include "new_mesh.hpp"
 #include "setup/mesh_transfer.hpp"
 #include "setup/obstacles.hpp"
 #include "system/contact.hpp"
+#include "transfer.hpp"
 #include "voile/errors.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 namespace {
 
@@ -301,4 +301,4 @@ std::optional<RemeshResult> Remesher::adapt(Epoch& epoch, const std::function<vo
   return std::nullopt;
 }
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

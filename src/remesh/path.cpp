@@ -5,7 +5,7 @@
 #include "remesher.hpp"
 #include "solve/path_following.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 /// Under a given load without contact: the equilibrium of the new mesh is near, and relaxation would only be on the way.
 /// False where it was not found, or where the load is not what is followed. Collective.
@@ -50,4 +50,4 @@ bool Remesher::find_equilibrium(Epoch& old_epoch, Epoch& fresh, std::string& wha
   return false;
 }
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

@@ -13,7 +13,7 @@
 #include "system/attachments.hpp"
 #include "system/contact.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 namespace {
 
@@ -152,4 +152,4 @@ void Epoch::make_path(const record::Recorder& recorder, Origin origin) {
   }
 }
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

@@ -13,7 +13,7 @@
 #include "system/dynamics.hpp"
 #include "system/state.hpp"
 
-namespace voile::simulation {
+namespace voile::remesh {
 
 /// What an epoch continues from: `epoch` the same mesh with other supports, `mesh` another mesh, `saved` an earlier state of this
 /// run.
@@ -61,4 +61,4 @@ class Epoch {
   solve::TimeIntegration* motion_ = nullptr;  ///< the same
 };
 
-}  // namespace voile::simulation
+}  // namespace voile::remesh

@@ -1,0 +1,25 @@
+// One stage of a run, as its epochs and remeshings need it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "input/case.hpp"
+#include "record/run_options.hpp"
+#include "system/model.hpp"
+
+namespace voile::remesh {
+
+/// One stage, with what PETSc's options say in force.
+struct Stage {
+  input::Case c;
+  record::RunOptions options;  ///< with the folder of the stage
+  system::ModelInput input;
+  std::vector<char> frozen;                ///< per support: in this stage it no longer moves
+  std::vector<char> in_time{};             ///< per support: it moves in time, or has done so before
+  std::vector<std::string> sewn_before{};  ///< seams that earlier stages have closed
+  std::optional<double> held_at{};  ///< load factor of the path before at which something is held; absent: nothing is
+};
+
+}  // namespace voile::remesh
