@@ -139,6 +139,7 @@ PetscErrorCode TimeIntegration::Impl::enforce(void* self, PetscReal t, Vec stage
   return petsc::guarded([&] {
     n.dynamics.set_time(t);
     n.model.conditions().enforce(stage);
+    if (std::exchange(n.held_at, t) == t) return;  // the same step again
     n.dynamics.prescribe_rates({t, n.options.step, n.options.end_time}, false, n.held_v, n.held_a);
   });
 }

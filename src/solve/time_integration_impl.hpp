@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -50,6 +51,7 @@ struct TimeIntegration::Impl {
     double rate = 0.0;
   } again;
   bool explicit_method = false;
+  double held_at = std::numeric_limits<double>::quiet_NaN();  ///< time of the following [s]
   petsc::VecHandle held_v, held_a;  ///< velocities and accelerations of what is held, at the end of the step; else zero
   /// Of central differences: bounds of the step that the case gives [s], what is remembered of the largest frequency, its mode.
   struct {
