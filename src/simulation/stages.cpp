@@ -109,7 +109,9 @@ bool holds_slopes(const input::Case& before, const Support& s) {
   });
 }
 
-void hold_over_supports(const Stage& before, Stage& now) {
+/// Returns what a user should know of supports that stay.
+std::vector<std::string> hold_over_supports(const Stage& before, Stage& now) {
+  std::vector<std::string> notes;
   const std::vector<std::size_t>& numbers = now.c.stage.supports;
   now.frozen.assign(numbers.size(), 0);
   now.in_time.assign(numbers.size(), now.c.analysis == input::Analysis::dynamic ? 1 : 0);
@@ -121,10 +123,18 @@ void hold_over_supports(const Stage& before, Stage& now) {
       now.in_time[i] =
           moved || (now.c.analysis == input::Analysis::dynamic && before.c.analysis != input::Analysis::statics) ? 1
                                                                                                                  : 0;
+      const bool driven = s.motion || s.rotation;
       if (moved && now.c.analysis == input::Analysis::dynamic)
         go_on(now.c, s);
       else
         hold_over(before.c, before.c.supports[was], s);
+      if (driven && !moved && now.c.analysis == input::Analysis::dynamic &&
+          before.c.analysis == input::Analysis::statics)
+        notes.push_back(
+            fmt::format("[[support]] group '{}' stays in stage '{}' where the load factor of stage '{}' has brought "
+                        "it; for a motion in time give a "
+                        "support of its own from that stage on",
+                        s.group, now.c.stage.name, before.c.stage.name));
       if (before.c.supports[was].rotation) hold_at_end(before.c, now);
       now.frozen[i] = now.c.analysis == input::Analysis::statics ? 1 : 0;
     } else if ((s.kind == Support::Kind::clamped || s.kind == Support::Kind::sliding ||
@@ -136,6 +146,7 @@ void hold_over_supports(const Stage& before, Stage& now) {
           now.c.file.string(), s.group, now.c.stage.name));
     }
   }
+  return notes;
 }
 
 /// What a stage has scaled its loads by at its end.
@@ -267,7 +278,8 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
       // A run prints the notes of its first stage, which is this one if it begins here.
       if (const std::string text = sudden_loads(stages.back().c, s.c); !text.empty())
         for (input::Case* of : {&stages.front().c, &s.c}) of->notes.push_back(text);
-      hold_over_supports(stages.back(), s);
+      for (const std::string& text : hold_over_supports(stages.back(), s))
+        for (input::Case* of : {&stages.front().c, &s.c}) of->notes.push_back(text);
       hold_over_loads(stages.back(), s);
       hold_over_temperatures(stages.back(), s);
       hold_over_hinges(stages.back(), s);

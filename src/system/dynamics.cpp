@@ -22,6 +22,10 @@ void require_mass(const Model& model) {
 
 void settle_contact(Model& model, Vec u, double time) {
   if (!model.contact()) return;
+  // Whether something balances a barrier is asked of the whole one, not of what an earlier motion has let grow so far.
+  ContactMemory memory = model.contact()->memory();
+  memory.gaps.clear();
+  model.contact()->restore(std::move(memory));
   const petsc::VecHandle residual = model.dofs().create_vector();
   model.residual(u, residual);
   model.dofs().clear_fixed(residual);
@@ -124,6 +128,11 @@ void Dynamics::add_gyration(Vec v, Vec f) const {
 }
 
 void Dynamics::prescribe_rates(const MotionTime& at, bool from_here, Vec v, Vec a) const {
+  if (model_.holds_still()) {
+    for (Vec rates : {v, a})
+      if (rates) model_.dofs().clear_fixed(rates);
+    return;
+  }
   const auto factor = [&](double t) { return options_.load_history ? options_.load_history(t) : 1.0; };
   if (v) model_.conditions().prescribe_velocity(at, from_here, factor, v);
   if (a) model_.conditions().prescribe_acceleration(at, factor, a);

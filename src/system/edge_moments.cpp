@@ -18,6 +18,14 @@ namespace voile::system {
 
 namespace {
 
+bool is_one_of(const std::vector<mesh::TriangleSide>& sides, const mesh::TriangleSide& at) {
+  return std::find(sides.begin(), sides.end(), at) != sides.end();
+}
+
+bool holds_slope(const std::vector<RigidBody>& bodies, const mesh::TriangleSide& at) {
+  return std::any_of(bodies.begin(), bodies.end(), [&](const RigidBody& b) { return is_one_of(b.slopes, at); });
+}
+
 /// Throws UserError for an edge that a moment cannot turn.
 void require_free_edge(const Discretisation& on, const Load& load, const mesh::Segment& s,
                        const mesh::TriangleSide& at) {
@@ -27,23 +35,25 @@ void require_free_edge(const Discretisation& on, const Load& load, const mesh::S
           ? "lies inside the surface; a moment acts on a boundary edge"
       : on.patches().apex(at.triangle, at.side) != no_index
           ? "has its slope held by a [[support]], which takes up the moment; take the edge out of one of the groups"
+      : is_one_of(on.constraints().elastic, at)
+          ? "turns a [[hinge]]; give the hinge, whose stiffness is k, an `angle` less by the moment over k instead"
+      : holds_slope(on.constraints().bodies, at) ? "turns with a [[rigid]] group; give the group its `moment` instead"
+      : energy::couples(on.sheet().material(at.triangle))
+          ? "ends an unsymmetric laminate; give it a symmetric one there, or two line loads that make the moment"
           : nullptr;
   if (wrong)
     throw UserError(fmt::format("[[load]] group '{}' (follower_moment): the edge {}-{} {}", load.group,
                                 mesh.data().vertex_tags[s[0]], mesh.data().vertex_tags[s[1]], wrong));
 }
 
-/// On a side of a triangle, local points. A couple where a spring or a rigid body turns the edge: its slope is not free.
+/// On a side of a triangle, local points. A couple where the element knows no slopes.
 energy::EdgeMoment moment_on(const Discretisation& on, energy::CurvatureBuilder& curvatures,
                              const mesh::TriangleSide& at) {
   const mesh::Triangle& v = on.mesh().triangles()[at.triangle];
   const auto corner = [&](int k) { return v[static_cast<std::size_t>((at.side + k) % 3)]; };
   energy::EdgeMoment edge{{corner(1), corner(2), corner(0)}, {1.0, 0.0, -1.0}, Vec3::Zero()};
-  const std::vector<mesh::TriangleSide>& held = on.constraints().elastic;
-  const bool turned = std::find(held.begin(), held.end(), at) != held.end();
-  if (!turned && !on.is_on_body({corner(1), corner(2)}))
-    if (auto free = energy::make_edge_moment(on.element_sheet(), curvatures, at.triangle, at.side))
-      edge = std::move(*free);
+  if (auto free = energy::make_edge_moment(on.element_sheet(), curvatures, at.triangle, at.side))
+    edge = std::move(*free);
   for (Index& p : edge.points) p = on.dofs().local().local_of[p];
   return edge;
 }

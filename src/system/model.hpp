@@ -76,6 +76,7 @@ class Model {
   /// From now on supports, loads and obstacles stay where and what they are, whatever the time, until this is called
   /// with false: for a motion that is only a way to an equilibrium. Not collective.
   void hold_still(bool still);
+  [[nodiscard]] bool holds_still() const { return held_still_; }
 
   /// r(a) as above. Collective.
   void residual(Vec a, Vec r);
