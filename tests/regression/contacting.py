@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from cloth import Surface
-from common import fresh
+from common import fresh, strip
 from harness import OUT, solve, test
 from solver import ROOT, run, write_case
 
@@ -160,6 +160,30 @@ def contact_follower(report):
         if result.code == 0:
             ends.append(result.history["kinetic_energy"][-1])
     report.check(len(ends) == 2 and abs(ends[1] / ends[0] - 1) < 1e-6, f"kinetic energy at the end: {ends}")
+
+
+@test
+def stages_in_contact(report):
+    """A drape that falls moves no support, and a sheet that one stage lets out of a barrier is not thrown by the next."""
+    mesh = {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": 6, "side": 0.2}}
+    sheet = {"type": "isotropic", "young": 1e7, "poisson": 0.3, "thickness": 2e-3, "density": 200.0}
+    case = {"title": "Moved later", "mesh": mesh, "material": [sheet], "contact": {}, "load": [{"type": "gravity", "vector": [0, 0, -GRAVITY]}],
+            "support": [{"type": "clamped", "group": "left"}, {"type": "displacement", "group": "right", "components": ["z"], "motion": ["0", "0", "0.01*t"]}],
+            "probe": [{"name": "right", "type": "displacement", "group": "right"}],
+            "stage": [{"name": "a", "analysis": "drape"}, {"name": "b", "analysis": "dynamic", "time": {"end": 0.1, "step": 0.01}}]}
+    result = solve("stages_fall", case)
+    report.below(abs(result.stage("a").history["right_z"][-1]), 1e-15, "a support with a motion in the drape: way [m]")
+    report.below(abs(result.stage("b").history["right_z"][-1] - 1e-3), 1e-12, "and after 0.1 s at 0.01 m/s: off [m]")
+    stages = [{"name": n, "analysis": "dynamic", "time": {"end": end, "step": 1e-3}} for n, end in (("a", 0.02), ("b", 0.2))]
+    case = {"title": "Let out", "mesh": mesh | {"translate": [0, 0, 8e-4]}, "material": [sheet], "contact": {"distance": 2e-3},
+            "obstacle": [{"name": "table", "type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}], "load": case["load"],
+            "damping": {"mass": 5.0}, "probe": [{"name": "sheet", "type": "displacement", "group": "plate"}], "stage": stages}
+    height = solve("stages_let_out", case).stage("b").history["sheet_z"]
+    report.below(height.max() + 8e-4, 3e-3, "height of a sheet that begins 0.8 mm over a table with a barrier of 2 mm [m]")
+    path = strip("static", nx=4, ny=1, support=[{"type": "displacement", "group": "plate", "components": ["x", "y", "z"], "motion": ["0", "0", "0.01*t"]}])
+    del path["analysis"], path["time"]
+    path["stage"] = [{"name": "a", "analysis": "static"}, {"name": "b", "analysis": "dynamic", "time": {"end": 0.1, "step": 0.05}}]
+    report.check("note: [[support]] group 'plate' stays in stage 'b'" in solve("stages_two_clocks", path).text, "a motion by the load factor does not go on in time, and this is said")
 
 
 @test
