@@ -21,7 +21,13 @@ PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
   t.speed = std::sqrt(dot(load_solution, load_solution));
   t.good = std::isfinite(t.speed) && t.speed > 0.0;
   t.negative_pivots = linear.negative_eigenvalues();
-  if (t.good) t.eigenvalue = linear::inverse_iteration(model, linear, mode, iterations_per_step);
+  if (!t.good) return t;
+  t.eigenvalue = linear::inverse_iteration(model, linear, mode, iterations_per_step);
+  double work = 0.0, size = 0.0, force = 0.0;
+  VOILE_PETSC(VecDot(mode, load, &work));
+  VOILE_PETSC(VecNorm(mode, NORM_2, &size));
+  VOILE_PETSC(VecNorm(load, NORM_2, &force));
+  if (size * force > 0.0) t.pushed = std::abs(work) / (size * force);
   return t;
 }
 

@@ -146,6 +146,10 @@ std::optional<CriticalPoint> PathFollower::Impl::passed(const Tangent& after, do
   if (!kind) return std::nullopt;
   CriticalPoint point;
   point.kind = *kind;
+  // The load turns at a limit point, whose mode it pushes; also where a step has run over to the branch of a bifurcation.
+  constexpr double not_pushed = 1e-3;
+  if (point.kind == CriticalPoint::Kind::limit && tangent.pushed < not_pushed)
+    point.kind = CriticalPoint::Kind::bifurcation;
   point.step = steps + 1;
   const bool follows = tangent.eigenvalue * after.eigenvalue < 0.0;
   if (point.kind == CriticalPoint::Kind::both || (point.kind == CriticalPoint::Kind::bifurcation && !follows))

@@ -40,6 +40,7 @@ struct PathFollower::Impl {
     long negative_pivots = -1;
     double eigenvalue = 0.0;  ///< of K in W, nearest to zero
     double speed = 0.0;       ///< |x_f|
+    double pushed = 1.0;      ///< |m.f| / |m| |f| of the mode m of that eigenvalue: 0 where the load does no work on it
   } tangent;                  ///< at the accepted state
 
   /// The scalar equation that goes with r = 0.

@@ -190,3 +190,23 @@ def arch_between(report):
     report.check(low < 0.2184 < high, f"the bifurcation, 0.2184 by switch_branch, lies between {low:.4g} and {high:.4g}")
     located = solve("arch_located", case | {"steps": case["steps"] | {"at_critical_point": "switch_branch"}}).summary["critical_points"]
     report.percent(located[-1]["load_factor"] / 0.2180, 0.005, "located, against the formula")
+
+
+@test
+def arch_branches(report):
+    """A step that runs over from the path of a symmetric arch to the branch that leaves it, where the load falls, has passed a bifurcation: both branches are found, each the mirror of the other."""
+    points = [[x, 0.05, 0.06 * math.sin(math.pi * x)] for x in (0.25, 0.75)]
+    case = {
+        "analysis": "static", "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 1, "width": 0.1, "nx": 40, "ny": 2, "pattern": 1}},
+        "material": [{"type": "isotropic", "young": 1e7, "poisson": 0, "thickness": 0.01, "density": 1000.0}], "imperfection": [{"type": "expression", "height": "0.06*sin(pi*x)"}],
+        "support": [{"type": "hinged", "group": ["clamp", "tip"]}],
+        "load": [{"type": "area", "vector": [0, 0, -100.0], "distribution": "exp(-((x-0.5)/0.1)^2)"}, {"type": "gravity", "vector": [0, 0, -0.1], "constant": True}],
+        "probe": [{"name": "middle", "type": "displacement", "point": [0.5, 0.05, 0.06], "components": ["z"]}]
+                 + [{"name": name, "type": "displacement", "point": at, "components": ["z"]} for name, at in zip(("left", "right"), points)]}
+    steps = {"control": "arc_length", "control_probe": "middle", "final_displacement": -0.02, "initial_step": 0.02, "max_step": 0.05, "at_critical_point": "switch_branch"}
+    one, two = (solve(f"arch_branch_{k}", case | {"steps": steps | {"branch_step": b}}) for k, b in enumerate((1.0, -1.0)))
+    for result in (one, two):
+        report.check("bifurcation point" in [c["kind"] for c in result.summary["critical_points"]], f"what is passed: {[c['kind'] for c in result.summary['critical_points']]}")
+    left, right = ([r.history[side][-1] for side in ("left_z", "right_z")] for r in (one, two))
+    report.check(abs(left[0] - left[1]) > 0.01, f"the arch leans: {left[0]:.4f}, {left[1]:.4f} m")
+    report.below(max(abs(left[0] - right[1]), abs(left[1] - right[0])), 1e-4, "the other branch is its mirror: difference [m]")

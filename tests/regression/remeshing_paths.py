@@ -116,12 +116,12 @@ def path_goes_forward(report):
             "support": [{"type": "hinged", "group": "boundary"}], "load": [{"type": "follower_pressure", "magnitude": -300.0}],
             "probe": [{"name": "top", "type": "displacement", "point": [0, 0, 0.02], "components": ["z"]}],
             "remesh": {"smallest": 0.015, "largest": 0.08, "angle": 4.0},
-            "steps": {"control": "arc_length", "initial_step": 0.1, "max_steps": 20, "final_displacement": -0.045, "control_probe": "top"}}
+            "steps": {"control": "arc_length", "initial_step": 0.12, "max_steps": 20, "final_displacement": -0.045, "control_probe": "top"}}
     result = run(write_case(case, OUT / "path_goes_forward.toml"), OUT / "path_goes_forward", 1, ["--overwrite"])
     load = result.history["load_factor"]
     report.check("turned back" in result.text, "a step ended behind, and was said to")
     report.check(load.min() >= 0.0 and result.history["top_z"].max() <= 0.0, "it is nowhere blown up")
-    # Limit loads of meshes of 179 to 220 vertices lie between 0.074 and 0.088, those of 505 and 1985 at 0.0916 and 0.0920. The step that turned back began at 0.0718.
+    # Limit loads of meshes of 179 to 220 vertices lie between 0.074 and 0.088, those of 505 and 1985 at 0.0916 and 0.0920. The step that turned back began at 0.0716.
     report.check(load.max() > 0.073, f"the load gets as far as {load.max():.4f}")
 
 
