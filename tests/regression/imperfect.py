@@ -197,10 +197,10 @@ def arch_branches(report):
     """A step that runs over from the path of a symmetric arch to the branch that leaves it, where the load falls, has passed a bifurcation: both branches are found, each the mirror of the other."""
     points = [[x, 0.05, 0.06 * math.sin(math.pi * x)] for x in (0.25, 0.75)]
     case = {
-        "analysis": "static", "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 1, "width": 0.1, "nx": 40, "ny": 2, "pattern": 1}},
+        "analysis": "static", "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 1, "width": 0.1, "nx": 24, "ny": 2, "pattern": 1}},
         "material": [{"type": "isotropic", "young": 1e7, "poisson": 0, "thickness": 0.01, "density": 1000.0}], "imperfection": [{"type": "expression", "height": "0.06*sin(pi*x)"}],
         "support": [{"type": "hinged", "group": ["clamp", "tip"]}],
-        "load": [{"type": "area", "vector": [0, 0, -100.0], "distribution": "exp(-((x-0.5)/0.1)^2)"}, {"type": "gravity", "vector": [0, 0, -0.1], "constant": True}],
+        "load": [{"type": "area", "vector": [0, 0, -500.0], "distribution": "exp(-((x-0.5)/0.02)^2)"}, {"type": "gravity", "vector": [0, 0, -0.5], "constant": True}],
         "probe": [{"name": "middle", "type": "displacement", "point": [0.5, 0.05, 0.06], "components": ["z"]}]
                  + [{"name": name, "type": "displacement", "point": at, "components": ["z"]} for name, at in zip(("left", "right"), points)]}
     steps = {"control": "arc_length", "control_probe": "middle", "final_displacement": -0.02, "initial_step": 0.02, "max_step": 0.05, "at_critical_point": "switch_branch"}
