@@ -48,6 +48,12 @@ std::vector<std::string> material_notes(const Case& c) {
     if (const std::string note = m.rubber.any() ? ellipticity_note(m.rubber) : ""; !note.empty())
       notes.push_back(
           fmt::format("{}: {}; beyond it strains gather in single cells, check its moduli", name_of(m), note));
+  const auto turns = [](const system::Load& l) { return l.kind == system::Load::Kind::follower_moment; };
+  if (std::any_of(c.loads.begin(), c.loads.end(), turns) &&
+      std::any_of(c.materials.begin(), c.materials.end(), energy::couples))
+    notes.emplace_back(
+        "[[load]] type 'follower_moment' on an unsymmetric laminate: in the two rows of cells at the edge forces and "
+        "stresses are off by up to half of the moment's; read them further inside");
   if (c.output.stresses == OutputSection::Stresses::none) return notes;
   for (const energy::Material& m : c.materials)
     if (m.layers.empty())

@@ -283,6 +283,12 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
       hold_over_loads(stages.back(), s);
       hold_over_temperatures(stages.back(), s);
       hold_over_hinges(stages.back(), s);
+      if (stages.back().c.contact.input.active && one.finds_modes()) {
+        const std::string text = fmt::format(
+            "stage '{}' knows no contact: its modes, and what comes after, are about the equilibrium without obstacles",
+            one.stage.name);
+        for (input::Case* of : {&stages.front().c, &s.c}) of->notes.push_back(text);
+      }
     }
     if (!one.stage.attachments.empty() && one.attachments.empty()) {
       const std::string text =
@@ -327,8 +333,11 @@ Origin begin_from(const input::Case& c, record::RunOptions& options, std::vector
     require_end_of(*(at - 1), options);
     options.restart = options.output / *(at - 1) / "checkpoint.h5";
   }
+  // A checkpoint of the stage before is where this one begins, with its clock; any other state is one of this stage.
+  const bool is_before = restarts && at != names.begin() && options.restart.filename() == "checkpoint.h5" &&
+                         options.restart.parent_path().filename() == *(at - 1);
   stages.erase(stages.begin(), stages.begin() + (at - names.begin()));
-  if (restarts) return Origin::restart;
+  if (restarts && !(is_before && stages.front().c.stage.continues())) return Origin::restart;
   if (stages.front().c.stage.continues()) return Origin::stage;
   options.restart.clear();
   return Origin::nothing;

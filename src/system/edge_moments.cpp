@@ -38,9 +38,7 @@ void require_free_edge(const Discretisation& on, const Load& load, const mesh::S
       : is_one_of(on.constraints().elastic, at)
           ? "turns a [[hinge]]; give the hinge, whose stiffness is k, an `angle` less by the moment over k instead"
       : holds_slope(on.constraints().bodies, at) ? "turns with a [[rigid]] group; give the group its `moment` instead"
-      : energy::couples(on.sheet().material(at.triangle))
-          ? "ends an unsymmetric laminate; give it a symmetric one there, or two line loads that make the moment"
-          : nullptr;
+                                                 : nullptr;
   if (wrong)
     throw UserError(fmt::format("[[load]] group '{}' (follower_moment): the edge {}-{} {}", load.group,
                                 mesh.data().vertex_tags[s[0]], mesh.data().vertex_tags[s[1]], wrong));

@@ -339,3 +339,25 @@ def clocks(report):
     report.check(code == 2 and "steps.final_displacement" in text, f"modes where a displacement ends: code {code}: {text.strip()[-200:]}")
     text = invoke(["check", write_case(strip("drape", time=None, steps={"final_load_factor": 2.0}), OUT / "clocks_drape.toml")])[1]
     report.check("[steps] has no effect" in text, "a drape has no path")
+
+
+@test
+def stage_from_elsewhere(report):
+    """A stage that begins from the checkpoint of the stage before, in another folder, has the clock of the unbroken run; modes after contact say what they leave out."""
+    case = strip(nx=6, ny=1, load=[{"type": "line", "group": "tip", "vector": [0, 0, 0.4], "history": "cos(20*t)"}])
+    del case["analysis"], case["time"]
+    time = {"step": 0.01}
+    case["stage"] = [{"name": "a", "analysis": "dynamic", "time": time | {"end": 0.05}}, {"name": "b", "analysis": "static"},
+                     {"name": "c", "analysis": "dynamic", "time": time | {"end": 0.1}}]
+    whole = solve("elsewhere_whole", case)
+    for before, stage in (("a", "b"), ("b", "c")):
+        rest = run(OUT / "elsewhere_whole.toml", fresh("elsewhere_rest"), 1, ["--from", stage, "--restart", whole.folder / before / "checkpoint.h5"])
+        report.check(rest.code == 0, f"from {stage}: code {rest.code}: {rest.text.strip()[-200:] if rest.code else ''}")
+        one, two = (r.stage("c").history for r in (whole, rest))
+        report.check(len(one["time"]) == len(two["time"]) and np.array_equal(one["time"], two["time"]), f"from {stage}: the times of c are {two['time'][0]:g} to {two['time'][-1]:g} s")
+        report.below(np.abs(one["tip_z"][-1] - two["tip_z"][-1]), 1e-9, f"from {stage}: the tip at the end, difference [m]")
+    case["contact"] = {"distance": 0.01}
+    case["obstacle"] = [{"name": "floor", "type": "plane", "point": [0, 0, -5], "normal": [0, 0, 1]}]
+    case["stage"][1] = {"name": "b", "analysis": "modal"}
+    text = invoke(["check", write_case(case, OUT / "elsewhere_modes.toml")])[1]
+    report.check("note: stage 'b' knows no contact" in text, "modes after a stage with contact")
