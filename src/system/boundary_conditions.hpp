@@ -106,6 +106,10 @@ class BoundaryConditions {
                        const BlockMatrix::Values& values);
   /// What moments on edges add to the curvature of triangles that this rank owns. Not collective.
   [[nodiscard]] std::vector<energy::EdgeBend> edge_bends() const;
+  /// The same of bodies without any forces.
+  void add_free_body_blocks(const BlockMatrix& tangent, const BlockMatrix::Values& values) {
+    if (rigid_.any()) rigid_.add_blocks(std::vector<BodyForce>(always_on_bodies_.size()), 0.0, tangent, values);
+  }
   /// In the order of the loads (gas.hpp).
   [[nodiscard]] const std::vector<Gas>& gases() const { return gases_; }
   [[nodiscard]] bool has_gas() const { return !gas_factors_.empty(); }

@@ -144,6 +144,8 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
     tangent_.change().clear();
   if (!dofs().motions().empty() && request.loads)
     conditions_->add_body_blocks(c, potential_->point_forces(c), tangent, values);
+  else if (!dofs().motions().empty())
+    conditions_->add_free_body_blocks(tangent, values);
   if (request.extra) request.extra->add_blocks(c, dofs(), tangent, pattern, values);
   if (request.mass > 0.0 && request.mass_matrix)
     tangent.add_values_from(*request.mass_matrix, request.mass);

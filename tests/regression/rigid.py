@@ -88,6 +88,7 @@ def rigid_caps(report):
     h = end(moment=[0, load, 0])
     bent = h["end_turn_y"][-1]
     report.percent(bent / (load * length / (young * inertia)), 0.01, "bending")
+    report.below(abs(end(moment=[0, 1e6 * load, 0])["end_turn_y"][-1] / bent / 1e6 - 1), 1e-6, "a moment a million times as large turns it a million times as far")
     h = end(force=[load / 0.3, 0, 0], point=[length, 0, 0.3])
     report.below(h["end_turn_y"][-1] / bent - 1, 1e-6, "a force beside the axis turns it as far")
     report.percent(end("static", force=[-load, 0, 0])["end_x"][-1] / (-load * length / (young * area)), 0.01, "static")
