@@ -135,7 +135,7 @@ class VOILE_API Simulation {
   void restore(const State& state);
   /// Forces on the vertices besides the loads of the case, constant until they are set again, whatever the load factor; rank
   /// 0's count. They are part of energies and of the balance. A new mesh takes them away (Step::new_mesh). Throws UserError for
-  /// another length. [N]
+  /// another length, and for a path with [remesh]. [N]
   void set_forces(const std::vector<double>& forces);
   /// An obstacle goes on straight lines from where it is to `positions` of its points at time t, and stays there: instead of
   /// what the case says of it. Of a motion only. Points: vertices of a mesh, centre of a ball, ends of a capsule's axis, a point

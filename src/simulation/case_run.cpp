@@ -112,6 +112,7 @@ solve::StepResult CaseRun::advance(double until) {
 /// From a stage that is done to the next one, which has steps to take if it returns true. A stage stays open, so that its last state
 /// can be looked at, and its end left again, until the next one is asked for.
 bool CaseRun::go_on() {
+  if (stage_->has_forces()) require_kept_forces(stages_[number_ + 1].c);
   end_stage();
   if (!summaries_.back().second.converged) return false;
   origin_ = stages_[number_ + 1].c.stage.continues() ? Origin::stage : Origin::nothing;
@@ -145,7 +146,13 @@ void CaseRun::end_stage() {
   state_ = remesh::gather(stage_->epoch().state(), stage_->epoch().model());
 }
 
+StageRun& CaseRun::stage() const {
+  if (!stage_) throw UserError("the next stage could not begin, as an error has said; build another simulation");
+  return *stage_;
+}
+
 bool CaseRun::finished() const {
+  if (!stage_) return true;
   if (!stage_->done()) return false;
   return number_ + 1 == stages_.size() || !stage_->all().completed || summaries_.size() > number_;
 }
@@ -160,7 +167,7 @@ Exit CaseRun::finish() {
 }
 
 CaseRun::Saved CaseRun::save() const {
-  return {number_, stage_->save(),
+  return {number_, stage().save(),
           options_.obstacles ? options_.obstacles->tracks() : setup::DrivenObstacles::Tracks{}};
 }
 
@@ -170,6 +177,7 @@ void CaseRun::restore(const Saved& saved) {
         "a simulation that writes its results cannot go back to an earlier state: what is written stays; leave the "
         "output "
         "folder out");
+  (void)stage();
   if (saved.stage != number_)
     throw UserError(
         fmt::format("the state was saved in stage '{}', and the simulation is in stage '{}'; save states of the "

@@ -48,9 +48,8 @@ class CaseRun {
   /// there is an output folder.
   void restore(const Saved& saved);
 
-  /// The stage in force, or the last one.
-  [[nodiscard]] StageRun& stage() { return *stage_; }
-  [[nodiscard]] const StageRun& stage() const { return *stage_; }
+  /// The stage in force, or the last one. Throws UserError after the next one has failed to begin.
+  [[nodiscard]] StageRun& stage() const;
   /// What the stages came to that have ended, by name.
   [[nodiscard]] const std::vector<std::pair<std::string, record::Summary>>& summaries() const { return summaries_; }
   /// Those that may be put in place from outside; null if the options name none.

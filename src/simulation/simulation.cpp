@@ -59,6 +59,7 @@ void Simulation::Impl::close() {
 }
 
 Step Simulation::Impl::step(double until) {
+  (void)run->stage();
   if (run->finished())
     throw UserError(fmt::format(
         "the simulation has come to its end at {}{}; build another one, or restore a saved state",
@@ -124,6 +125,7 @@ bool Simulation::advance_to(double t) {
 
 bool Simulation::run() {
   const Call call(*impl_);
+  (void)impl_->run->stage();
   return impl_->take_steps([&] {
     while (!finished()) (void)impl_->step(no_limit);
     if (!std::exchange(impl_->closed, true)) (void)impl_->run->finish();
@@ -136,6 +138,7 @@ bool Simulation::finished() const {
 }
 
 bool Simulation::converged() const {
+  (void)impl_->run->stage();
   const auto& ended = impl_->run->summaries();
   if (impl_->closed || (!ended.empty() && !ended.back().second.converged)) return ended.back().second.converged;
   return finished() && impl_->run->stage().all().completed;

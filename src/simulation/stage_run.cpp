@@ -65,7 +65,7 @@ StageRun::StageRun(const Stage& stage, Start start)
       recorder_(stage.c, stage.options, epoch_->model()),
       checkpoints_(stage.c, stage.options.output) {
   if (stage.c.remesh.active) remesher_.emplace(stage, std::move(start.first));
-  set_forces(std::move(start.forces));
+  put_forces(std::move(start.forces));
 }
 
 void StageRun::begin() {
@@ -172,11 +172,15 @@ void StageRun::limit(double until) {
 }
 
 void StageRun::set_forces(std::vector<double> forces) {
+  if (mpi::max(comm(), forces.empty() ? 0.0 : 1.0) > 0.0) require_kept_forces(stage_.c);
   put_forces(std::move(forces));
-  if (has_forces_ && remesher_ && !epoch_->moves())
-    throw UserError(
-        "set_forces: [remesh] would leave the new mesh without them before an equilibrium is found; give them as "
-        "[[load]], or take [remesh] out");
+}
+
+void require_kept_forces(const input::Case& c) {
+  if (!c.remesh.active || c.analysis == input::Analysis::dynamic) return;
+  throw UserError(
+      "set_forces: [remesh] would leave the new mesh without them before an equilibrium is found; give them as "
+      "[[load]], take them away, or take [remesh] out");
 }
 
 void StageRun::put_forces(std::vector<double> forces) {

@@ -15,6 +15,9 @@
 
 namespace voile::simulation {
 
+/// Throws UserError for a stage in which a new mesh would lose forces from outside unseen.
+void require_kept_forces(const input::Case& c);
+
 class StageRun {
  public:
   using Mesh = std::shared_ptr<const mesh::SurfaceMesh>;
@@ -55,6 +58,7 @@ class StageRun {
   /// Collective. Throws UserError where a path is remeshed: the new mesh would be without them. [N]
   void set_forces(std::vector<double> forces);
   [[nodiscard]] const std::vector<double>& forces() const { return forces_; }
+  [[nodiscard]] bool has_forces() const { return has_forces_; }
 
   [[nodiscard]] Epoch& epoch() { return *epoch_; }
   [[nodiscard]] const Epoch& epoch() const { return *epoch_; }

@@ -199,6 +199,28 @@ try:
     raise SystemExit("forces on a path that is remeshed are taken")
 except UserError as e:
     assert "[remesh]" in str(e)
+both = {{**{{k: v for k, v in c.items() if k != "analysis"}}, "stage": [{{"name": "a", "analysis": "dynamic", "time": {{"end": 0.02, "step": 0.01}}}}, {{"name": "b", "analysis": "static"}}]}}
+m = Simulation(both)
+m.set_forces(tip(m, 0.01))
+try:
+    m.run()
+    raise SystemExit("forces are carried into a path that is remeshed")
+except UserError as e:
+    assert "[remesh]" in str(e) and m.time == 0.02 and not m.finished
+m.set_forces([])
+assert m.run()
+# A stage that cannot begin: nothing crashes afterwards.
+wall = {{**stages, "contact": {{"distance": 1e-3}},
+        "stage": [{{"name": "a", "analysis": "static"}}, {{"name": "b", "analysis": "static"}}],
+        "obstacle": [{{"name": "wall", "type": "sphere", "point": [0.5, 0.125, 0.0], "radius": 0.05, "stages": ["b"]}}]}}
+m = Simulation(wall)
+for again in (False, True):
+    try:
+        m.run()
+        raise SystemExit("a stage begins within an obstacle")
+    except UserError as e:
+        assert ("could not begin" in str(e)) == again, e
+assert m.finished
 m = Simulation(strip("dynamic", nx=6))
 m.observe(lambda step: m.close())
 try:
