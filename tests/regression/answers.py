@@ -284,6 +284,9 @@ def edge_moments(report):
         report.below(np.ptp(z - 0.5 * curvature * (x[:, 0] ** 2 + x[:, 1] ** 2)) / np.ptp(z), 1e-6, "a sphere: error")
         report.percent(result.history["energy_bending"][-1] / (m * curvature), 1e-6, "energy of bending")
     tip = [{"type": "follower_moment", "group": "tip", "magnitude": m}]
+    end = {"group": "tip", "slope": "free", "turn": "held", "translation": ["free", "free", "free"]}
+    step = solve("edge_moment_body", strip("linear", load=tip, rigid=[end], probe=[]), 3).results[-1]
+    report.below(np.abs(step["bending_moment"] / m - [1, 0, 0]).max(), 1e-6, "an edge of a rigid group that leaves the slope free: moments, error")
     for name, case, words in (("clamped", strip(load=[tip[0] | {"group": "clamp"}]), "slope held by a [[support]]"),
                               ("hinged", strip(load=tip, hinge=[{"group": "tip", "stiffness": 10.0}]), "turns a [[hinge]]"),
                               ("rigid", strip(load=tip, rigid=[{"group": "tip"}], probe=[]), "turns with a [[rigid]] group")):
