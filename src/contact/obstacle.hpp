@@ -29,6 +29,7 @@ struct Obstacle {
   std::function<std::vector<Vec3>(double time)> frames;
   /// Cloth that it pinches passes through it: see system::Contact::clear_predictor.
   bool passable = false;
+  int number = 0;  ///< among those of the case, whatever the stage has of them
 };
 
 }  // namespace voile::contact

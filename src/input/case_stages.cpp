@@ -178,6 +178,8 @@ StageSection CaseReader::select_stage(std::size_t n) {
       s.loads = std::move(kept);
     else if (section == "temperature")
       s.temperatures = std::move(kept);
+    else if (section == "obstacle")
+      s.obstacles = std::move(kept);
     else if (section == "spring")
       s.springs = std::move(kept);
     else if (section == "attachment")

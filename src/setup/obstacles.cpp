@@ -152,12 +152,14 @@ std::vector<Vec3> vertices_at_start(const input::ObstacleSection& section) {
 
 system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObstacles& known) {
   system::ContactInput input = c.contact.input;
-  for (const input::ObstacleSection& section : c.obstacles) {
+  for (std::size_t i = 0; i < c.obstacles.size(); ++i) {
+    const input::ObstacleSection& section = c.obstacles[i];
     if (const auto at = known.find(section.shape.name); at != known.end()) {
       input.obstacles.push_back(at->second);
       continue;
     }
     contact::Obstacle o = section.shape;
+    o.number = static_cast<int>(c.stage.obstacles.empty() ? i : c.stage.obstacles[i]);
     if (section.type == input::ObstacleSection::Type::mesh) read_shape(comm, section, o);
     if (section.type == input::ObstacleSection::Type::cylinder) tessellate(section, input.options.distance, o);
     if (!section.frames.empty()) read_frames(comm, section, c.time.options.end_time, o, input.notes);

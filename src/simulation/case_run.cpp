@@ -51,7 +51,9 @@ std::unique_ptr<Epoch> open_epoch(const Stage& stage, const mesh::SurfaceMesh& m
 void settle_contact_start(const Stage& stage, Epoch& epoch, Origin origin) {
   system::Contact* contact = epoch.model().contact();
   if (!contact) return;
-  contact->restore(epoch.state().contact);
+  system::ContactMemory memory = epoch.state().contact;
+  if (stage.c.analysis != input::Analysis::dynamic) memory.passing.clear();
+  contact->restore(std::move(memory));
   settle_start(stage.c, stage.options, *contact, epoch.state().u, epoch.state().time, origin == Origin::nothing);
 }
 

@@ -143,6 +143,15 @@ std::string repair(const record::RunOptions& options, system::Contact& contact, 
   return tried;
 }
 
+/// What a user should know of an intersection where obstacles may let the sheet pass.
+std::string passing_text(const input::Case& c, const system::Contact& contact) {
+  if (!system::has_passable_obstacles(contact.scene().input())) return "";
+  return c.analysis == input::Analysis::dynamic ? " What passes through obstacles with on_pinch = \"pass\" is known to "
+                                                  "checkpoint.h5 alone: restart from it."
+                                                : " Obstacles with on_pinch = \"pass\" let the sheet pass in a motion "
+                                                  "only: let that go on until it is free.";
+}
+
 }  // namespace
 
 void examine_start(const input::Case& c, system::Contact& contact, Vec a) {
@@ -164,7 +173,7 @@ void settle_start(const input::Case& c, const record::RunOptions& options, syste
   const bool says = options.verbosity != record::Verbosity::quiet && is_first;
   if (says) print_obstacle_notes(contact);
   const bool repairs = c.contact.untangle && is_first && is_tangled(contact, a);
-  const std::string tried = repairs ? repair(options, contact, a) : "";
+  const std::string tried = repairs ? repair(options, contact, a) : is_first ? "" : passing_text(c, contact);
   check_start(options.output.empty() ? "" : options.output / "intersections.vtk", contact, a, tried);
   if (says) print_notes(c, contact, a);
 }

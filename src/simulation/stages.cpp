@@ -109,6 +109,14 @@ bool holds_slopes(const input::Case& before, const Support& s) {
   });
 }
 
+/// What a user should know of something whose expression of t has come to its end with a load path.
+std::string stays_put(const char* section, const std::string& group, const Stage& before, const Stage& now) {
+  return fmt::format(
+      "[[{0}]] {1} stays in stage '{2}' where the load factor of stage '{3}' has brought it; to change it in time "
+      "give a {0} of its own from that stage on",
+      section, group.empty() ? "of the whole sheet" : "group '" + group + "'", now.c.stage.name, before.c.stage.name);
+}
+
 /// Returns what a user should know of supports that stay.
 std::vector<std::string> hold_over_supports(const Stage& before, Stage& now) {
   std::vector<std::string> notes;
@@ -130,11 +138,7 @@ std::vector<std::string> hold_over_supports(const Stage& before, Stage& now) {
         hold_over(before.c, before.c.supports[was], s);
       if (driven && !moved && now.c.analysis == input::Analysis::dynamic &&
           before.c.analysis == input::Analysis::statics)
-        notes.push_back(
-            fmt::format("[[support]] group '{}' stays in stage '{}' where the load factor of stage '{}' has brought "
-                        "it; for a motion in time give a "
-                        "support of its own from that stage on",
-                        s.group, now.c.stage.name, before.c.stage.name));
+        notes.push_back(stays_put("support", s.group, before, now));
       if (before.c.supports[was].rotation) hold_at_end(before.c, now);
       now.frozen[i] = now.c.analysis == input::Analysis::statics ? 1 : 0;
     } else if ((s.kind == Support::Kind::clamped || s.kind == Support::Kind::sliding ||
@@ -190,11 +194,13 @@ void hold_over_loads(const Stage& before, Stage& now) {
   }
 }
 
-/// Holds what grew in the stage before, with what it had been held at before that.
-void hold(const Stage& before, const Field& old, bool was_constant, Stage& now, Field& f, bool& constant) {
+/// Holds what grew in the stage before, with what it had been held at before that. Returns whether this leaves an expression of t
+/// out of a motion.
+bool hold(const Stage& before, const Field& old, bool was_constant, Stage& now, Field& f, bool& constant) {
   const bool was_in_time = old.resumes || (old.in_time && before.c.analysis == input::Analysis::dynamic);
-  if (!f.value || (was_in_time && now.c.analysis == input::Analysis::dynamic)) return;
+  if (!f.value || (was_in_time && now.c.analysis == input::Analysis::dynamic)) return false;
   f.resumes = was_in_time;
+  const bool stands_still = f.in_time && now.c.analysis == input::Analysis::dynamic;
   const bool grows = now.c.analysis == input::Analysis::statics || now.c.finds_modes();
   if (old.in_time) {
     const double end = before.c.analysis == input::Analysis::dynamic ? before.c.time.options.end_time
@@ -203,31 +209,36 @@ void hold(const Stage& before, const Field& old, bool was_constant, Stage& now, 
     hold_at_end(before.c, now);
   } else if (grows || f.in_time) {
     const double factor = was_constant ? 1.0 : factor_at_end(before.c);
-    if (factor == 0.0 && grows) return;
+    if (factor == 0.0 && grows) return false;
     if (!was_constant) hold_at_end(before.c, now);
     f.value = [value = old.value, factor](const Vec3& x, double t) { return factor * value(x, t); };
   }
   constant = constant || grows || f.in_time;
   f.in_time = false;
+  return stands_still;
 }
 
 /// A temperature that the stage before has had stays, as loads do, unless both follow the same time.
-void hold_over_temperatures(const Stage& before, Stage& now) {
+void hold_over_temperatures(const Stage& before, Stage& now, std::vector<std::string>& notes) {
   for (std::size_t i = 0; i < now.c.stage.temperatures.size(); ++i) {
     const std::size_t was = place_of(now.c.stage.temperatures[i], before.c.stage.temperatures);
     if (was == npos) continue;
     const system::Temperature& old = before.c.temperatures[was];
     system::Temperature& t = now.c.temperatures[i];
+    bool stays = false;
     for (auto part : {&system::Temperature::change, &system::Temperature::difference})
-      hold(before, old.*part, old.constant, now, t.*part, t.constant);
+      stays = hold(before, old.*part, old.constant, now, t.*part, t.constant) || stays;
+    if (stays) notes.push_back(stays_put("temperature", t.group, before, now));
   }
 }
 
 /// A hinge that the stage before has folded stays so, likewise.
-void hold_over_hinges(const Stage& before, Stage& now) {
+void hold_over_hinges(const Stage& before, Stage& now, std::vector<std::string>& notes) {
   for (std::size_t i = 0; i < now.c.hinges.size(); ++i) {
     const system::Hinge& old = before.c.hinges[i];
-    hold(before, old.angle, old.constant, now, now.c.hinges[i].angle, now.c.hinges[i].constant);
+    system::Hinge& hinge = now.c.hinges[i];
+    if (hold(before, old.angle, old.constant, now, hinge.angle, hinge.constant))
+      notes.push_back(stays_put("hinge", hinge.group, before, now));
   }
 }
 
@@ -276,19 +287,18 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
     take_options(options.comm, s.c);
     if (one.stage.continues()) {
       // A run prints the notes of its first stage, which is this one if it begins here.
-      if (const std::string text = sudden_loads(stages.back().c, s.c); !text.empty())
-        for (input::Case* of : {&stages.front().c, &s.c}) of->notes.push_back(text);
-      for (const std::string& text : hold_over_supports(stages.back(), s))
-        for (input::Case* of : {&stages.front().c, &s.c}) of->notes.push_back(text);
+      std::vector<std::string> notes = hold_over_supports(stages.back(), s);
+      if (const std::string text = sudden_loads(stages.back().c, s.c); !text.empty()) notes.push_back(text);
       hold_over_loads(stages.back(), s);
-      hold_over_temperatures(stages.back(), s);
-      hold_over_hinges(stages.back(), s);
-      if (stages.back().c.contact.input.active && one.finds_modes()) {
-        const std::string text = fmt::format(
+      hold_over_temperatures(stages.back(), s, notes);
+      hold_over_hinges(stages.back(), s, notes);
+      if (stages.back().c.contact.input.active && one.finds_modes())
+        notes.push_back(fmt::format(
             "stage '{}' knows no contact: its modes, and what comes after, are about the equilibrium without obstacles",
-            one.stage.name);
+            one.stage.name));
+      // A run prints the notes of its first stage, which is this one if it begins here.
+      for (const std::string& text : notes)
         for (input::Case* of : {&stages.front().c, &s.c}) of->notes.push_back(text);
-      }
     }
     if (!one.stage.attachments.empty() && one.attachments.empty()) {
       const std::string text =

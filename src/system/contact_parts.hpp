@@ -18,6 +18,8 @@ void settle(ContactScene& scene, const ContactMemory& memory);
 void set_time(ContactScene& scene, const ContactMemory& memory, double time);
 /// Which vertices pass through which obstacles, for the pairs. Not collective.
 void set_passing(ContactScene& scene, const ContactMemory& memory);
+/// Of obstacles that another stage has had.
+void forget_absent(const ContactScene& scene, ContactMemory& memory);
 /// Vertices that are free again see the obstacles again. Collective.
 void end_passing(ContactScene& scene, ContactMemory& memory);
 

@@ -19,8 +19,8 @@ std::uint64_t bits(double set) {
   return static_cast<std::uint64_t>(set);
 }
 
-double bit(std::size_t obstacle) {
-  return std::ldexp(1.0, static_cast<int>(obstacle));
+double bit(const contact::Obstacle& obstacle) {
+  return std::ldexp(1.0, obstacle.number);
 }
 
 }  // namespace
@@ -38,9 +38,16 @@ bool passes(const Contact& contact, const std::array<Index, 3>& triangle, int bo
   const std::size_t sheets = s.bodies.size() - contact.scene().obstacles().size(), of = static_cast<std::size_t>(body);
   const std::vector<double>& passing = contact.memory().passing;
   if (passing.empty() || of < sheets) return false;
-  const std::uint64_t own = bits(bit(of - sheets));
+  const std::uint64_t own = bits(bit(contact.scene().obstacles()[of - sheets]));
   return std::any_of(triangle.begin(), triangle.end(),
                      [&](Index v) { return s.is_sheet(v) && (bits(passing[v]) & own); });
+}
+
+void forget_absent(const ContactScene& scene, ContactMemory& memory) {
+  std::uint64_t present = 0;
+  for (const contact::Obstacle& o : scene.input().obstacles)
+    if (o.passable) present |= bits(bit(o));
+  for (double& set : memory.passing) set = static_cast<double>(bits(set) & present);
 }
 
 void set_passing(ContactScene& scene, const ContactMemory& memory) {
@@ -48,7 +55,7 @@ void set_passing(ContactScene& scene, const ContactMemory& memory) {
   std::vector<std::uint64_t> points(memory.passing.size()), bodies(scene.set().surface().bodies.size(), 0);
   std::transform(memory.passing.begin(), memory.passing.end(), points.begin(), bits);
   for (std::size_t k = 0; k < obstacles.size(); ++k)
-    if (obstacles[k].passable) bodies[obstacles.body(k)] = bits(bit(k));
+    if (obstacles[k].passable) bodies[obstacles.body(k)] = bits(bit(obstacles[k]));
   scene.set().set_passing(std::move(points), std::move(bodies));
 }
 
@@ -59,7 +66,7 @@ void PredictorTrajectory::note_blocked(const contact::Pair& pair) {
     if (!obstacles[k].passable || (pair.body_a != b && pair.body_b != b)) continue;
     for (Index p : pair.points)
       if (p != no_index && scene_.set().surface().is_sheet(p))
-        blocked_[p] = static_cast<double>(bits(blocked_[p]) | bits(bit(k)));
+        blocked_[p] = static_cast<double>(bits(blocked_[p]) | bits(bit(obstacles[k])));
   }
 }
 
@@ -72,11 +79,11 @@ bool PredictorTrajectory::pass_blocked() {
   for (std::size_t k = 0; k < obstacles.size() && !more; ++k) {
     if (!obstacles[k].passable) continue;
     std::vector<double> hit(blocked_.size());  // -1: on some rank
-    for (std::size_t v = 0; v < hit.size(); ++v) hit[v] = bits(blocked_[v]) & bits(bit(k)) ? -1.0 : 0.0;
+    for (std::size_t v = 0; v < hit.size(); ++v) hit[v] = bits(blocked_[v]) & bits(bit(obstacles[k])) ? -1.0 : 0.0;
     mpi::min(scene_.dofs().comm(), hit);
     for (std::size_t v = 0; v < hit.size(); ++v) {
-      if (hit[v] == 0.0 || (bits(all[v]) & bits(bit(k)))) continue;
-      all[v] += bit(k);
+      if (hit[v] == 0.0 || (bits(all[v]) & bits(bit(obstacles[k])))) continue;
+      all[v] += bit(obstacles[k]);
       more = true;
     }
   }
@@ -141,10 +148,10 @@ void end_passing(ContactScene& scene, ContactMemory& memory) {
   const std::vector<double> before = memory.passing;
   for (const Index v : scene.set().candidates().own_points())
     for (std::size_t k = 0; before[v] != 0.0 && k < scene.obstacles().size(); ++k) {
-      if (!(bits(before[v]) & bits(bit(k)))) continue;
+      if (!(bits(before[v]) & bits(bit(scene.obstacles()[k])))) continue;
       const std::vector<Index> around = mesh.triangles_of_vertex(v);
       if (std::all_of(around.begin(), around.end(), [&](Index t) { return is_free(scene, mesh.triangles()[t], k); }))
-        memory.passing[v] -= bit(k);
+        memory.passing[v] -= bit(scene.obstacles()[k]);
     }
   mpi::min(scene.dofs().comm(), memory.passing);  // what other ranks have freed
   if (passing_count(memory) == 0) memory.passing.clear();

@@ -56,6 +56,7 @@ void Contact::begin_settling(Vec a, Vec residual, double time) {
 
 void Contact::restore(ContactMemory memory) {
   memory_ = std::move(memory);
+  forget_absent(scene_, memory_);
   settle(scene_, memory_);
   set_passing(scene_, memory_);
 }

@@ -183,7 +183,31 @@ def stages_in_contact(report):
     path = strip("static", nx=4, ny=1, support=[{"type": "displacement", "group": "plate", "components": ["x", "y", "z"], "motion": ["0", "0", "0.01*t"]}])
     del path["analysis"], path["time"]
     path["stage"] = [{"name": "a", "analysis": "static"}, {"name": "b", "analysis": "dynamic", "time": {"end": 0.1, "step": 0.05}}]
-    report.check("note: [[support]] group 'plate' stays in stage 'b'" in solve("stages_two_clocks", path).text, "a motion by the load factor does not go on in time, and this is said")
+    path["material"][0]["expansion"] = 1e-5
+    path["temperature"] = [{"group": "plate", "change": "10*t"}]
+    said = solve("stages_two_clocks", path).text
+    for what in ("support", "temperature"):
+        report.check(f"note: [[{what}]] group 'plate' stays in stage 'b'" in said, f"a {what} by the load factor does not go on in time, and this is said")
+
+
+@test
+def passing_in_stages(report):
+    """What passes through an obstacle does not pass through another one of the next stage, and an analysis without motion says that it cannot begin so."""
+    ball = {"type": "sphere", "radius": 0.03, "on_pinch": "pass"}
+    case = {"title": "Pinched", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": 6, "side": 0.1}},
+            "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 1e-3, "density": 300.0}],
+            "support": [{"type": "clamped", "group": side} for side in ("left", "right", "bottom", "top")], "contact": {"distance": 1e-3}, "damping": {"mass": 50.0},
+            "obstacle": [ball | {"name": "low", "point": [0.05, 0.05, -0.035], "stages": ["a"]},
+                         ball | {"name": "high", "point": [0.05, 0.05, 0.035], "motion": ["0", "0", "-0.1*min(t, 0.1)"]}],
+            "stage": [{"name": "a", "analysis": "dynamic", "time": {"end": 0.1, "step": 2e-3}}, {"name": "b", "analysis": "dynamic", "time": {"end": 0.11, "step": 2e-3}}]}
+    result = solve("passing_other", case)
+    report.check(result.stage("a").history["passing"][-1] > 0, "vertices pass through the ball below")
+    report.check(max(result.stage("b").history["passing"]) == 0, "without it none passes")
+    del case["obstacle"][0]["stages"]
+    for analysis in ("static", "drape"):
+        case["stage"][1] = {"name": "b", "analysis": analysis}
+        result = run(write_case(case, OUT / "passing_rest.toml"), fresh("passing_rest"))
+        report.check(result.code == 2 and "pass in a motion only" in result.text, f"{analysis}, code {result.code}: {result.text.strip().splitlines()[-1][:200]}")
 
 
 @test
