@@ -15,7 +15,7 @@ namespace voile::results {
 namespace {
 
 constexpr std::size_t anchor_numbers = 8;     // of each anchor
-constexpr std::size_t path_numbers = 5;       // of a path
+constexpr std::size_t path_numbers = 6;       // of a path
 constexpr std::size_t stability_numbers = 4;  // of central differences
 
 /// The vectors of a checkpoint, const or not, under their names in the file.

@@ -12,6 +12,8 @@ namespace voile::solve {
 namespace {
 
 constexpr int locating_steps = 12;
+constexpr double shortest_doubt =
+    0.01;                         ///< of a step that has led off the path: shorter ones that fail end the search for it
 constexpr double located = 1e-5;  ///< critical eigenvalue, relative to those on both sides, at which a point is found
 
 /// Extremum within (0, s) of the cubic with values y0, y1 and slopes d0, d1 of opposite sign at 0 and s.
@@ -60,6 +62,7 @@ void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
   unit = std::abs(options.final_displacement);
   if (options.control == Control::arc_length) unit = memory.unit > 0.0 ? memory.unit : tangent.speed;
   length = (state.next_step > 0.0 ? std::min(state.next_step, options.max_step) : options.initial_step) * unit;
+  doubted = memory.doubted;
   may_branch = options.at_critical_point == AtCriticalPoint::switch_branch && !memory.has_branched;
   if (remark && !state.previous && options.final_displacement != 0.0 &&
       (options.final_displacement - probed(accepted)) * probed(load_solution) < 0.0)
@@ -111,6 +114,14 @@ NewtonResult PathFollower::Impl::land(Vec a, double& lambda) {
   return correct(a, lambda, {by_probe ? Control::displacement : Control::load, end});
 }
 
+/// Where the controlled displacement turns back (snap-back), the next larger one belongs to another path, as far away however
+/// short the step: |Da - prediction| > |prediction|.
+bool PathFollower::Impl::leaves_path(const Constraint& constraint) const {
+  if (constraint.kind != Control::displacement) return false;
+  const double change = (constraint.value - probed(accepted)) / probed(tangent_solution);
+  return dot(increment, increment) > 2.0 * change * dot(increment, tangent_solution);
+}
+
 /// One step from the accepted state; on the way past the end, the end.
 NewtonResult PathFollower::Impl::attempt(Vec a, double& lambda, const Constraint& constraint) {
   predict(constraint, lambda);
@@ -120,6 +131,11 @@ NewtonResult PathFollower::Impl::attempt(Vec a, double& lambda, const Constraint
     // As far away as wanted, but behind: where the path has turned by less than 180 degrees in a step it is not.
     n.converged = false;
     n.reason = "the iteration turned back along the path";
+  }
+  if (n.converged && !jumping && leaves_path(constraint)) {
+    doubted = std::max(doubted, length);
+    n.converged = false;
+    n.reason = "the state found lies off the path";
   }
   if (!n.converged || !passes_end(a, lambda)) return n;
   const int before = n.iterations;
@@ -219,7 +235,7 @@ PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda) 
   const int before = linear.factorisations();
   t.newton = branching ? branch(a, lambda, length) : attempt(a, lambda, constraint);
   if (t.newton.converged) t.after = tangent_at(a);
-  if (t.newton.converged && t.after.good && !branching) t.critical = passed(t.after, lambda);
+  if (t.newton.converged && t.after.good && !branching && !jumping) t.critical = passed(t.after, lambda);
   t.found = t.critical && (options.at_critical_point == AtCriticalPoint::stop ||
                            (may_branch && t.critical->kind != CriticalPoint::Kind::limit));
   if (t.found) {
@@ -252,6 +268,8 @@ StepResult PathFollower::Impl::advance(system::State& state) {
   if (!state.previous) state.previous = model.dofs().create_vector();
   VOILE_PETSC(VecCopy(accepted, state.previous));
   accept(state.u, lambda, t.after);
+  jumping = false;
+  if (length >= doubted) doubted = 0.0;
   model.potential().end_step(state.u);
   r.taken = std::sqrt(dot(previous, previous)) / unit;
   state.step = steps;
@@ -269,15 +287,28 @@ StepResult PathFollower::Impl::advance(system::State& state) {
   state.next_step = length / unit;
   state.path.unit = options.control == Control::arc_length ? unit : 0.0;
   state.path.rate = rate;
+  state.path.doubted = doubted;
   state.path.negative_pivots = tangent.negative_pivots;
   state.path.has_branched = options.at_critical_point == AtCriticalPoint::switch_branch && !may_branch && !branching;
   ++state.path.steps;
   return r;
 }
 
+/// The path has no larger controlled displacement near the accepted state.
+void PathFollower::Impl::jump_next() {
+  jumping = true;
+  length = std::exchange(doubted, 0.0);
+  if (remark)
+    remark(fmt::format(
+        "load factor {:.6g}: control_probe turns back (snap-back), and the next step jumps to another path; "
+        "control = \"arc_length\" follows this one",
+        factor));
+}
+
 /// After an attempt that failed.
 void PathFollower::Impl::halve(system::State& state, StepResult& r) {
-  const bool last = 0.5 * length < options.min_step * unit;
+  const bool searched = doubted > 0.0 && 0.5 * length < shortest_doubt * doubted;
+  const bool last = !searched && 0.5 * length < options.min_step * unit;
   const std::string place = last ? "; " + largest_residuals_at(model, state.u) : "";
   VOILE_PETSC(VecCopy(accepted, state.u));
   model.conditions().set_load_factor(factor);
@@ -285,6 +316,7 @@ void PathFollower::Impl::halve(system::State& state, StepResult& r) {
   if (remark)
     remark(fmt::format("load factor {:.6g}: {}{} after {} iterations; step halved to {:.3g}", factor,
                        branching ? "branching: " : "", r.newton.reason, r.newton.iterations, length / unit));
+  if (searched) jump_next();
   r.outcome = last ? Outcome::failed : Outcome::not_yet;
   if (last)
     r.reason = fmt::format(

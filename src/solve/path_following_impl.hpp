@@ -33,6 +33,8 @@ struct PathFollower::Impl {
   double unit = 0.0;    ///< length of the step whose size is 1
   double length = 0.0;  ///< of the next step
   bool branching = false, may_branch = false, stopped = false;
+  double doubted = 0.0;  ///< length of the step that has first led off the path; 0: none since it was as long again
+  bool jumping = false;  ///< to another path, as this one turns back
 
   /// What the tangent at an equilibrium tells.
   struct Tangent {
@@ -91,6 +93,7 @@ struct PathFollower::Impl {
   [[nodiscard]] bool is_end(double probed, double lambda) const;
   [[nodiscard]] bool at_end() const { return is_end(probed(accepted), factor); }
   [[nodiscard]] NewtonResult land(Vec a, double& lambda);
+  [[nodiscard]] bool leaves_path(const Constraint& constraint) const;
   [[nodiscard]] NewtonResult attempt(Vec a, double& lambda, const Constraint& constraint);
   [[nodiscard]] Constraint constraint_of_place(double probed_before) const;
   [[nodiscard]] std::optional<CriticalPoint::Kind> kind_between(double rate_before, long pivots_before,
@@ -107,6 +110,7 @@ struct PathFollower::Impl {
   };
   [[nodiscard]] Attempt try_step(Vec a, double& lambda);
   [[nodiscard]] StepResult advance(system::State& state);
+  void jump_next();
   void halve(system::State& state, StepResult& r);
   [[nodiscard]] double rate_of(const Tangent& t) const {
     return std::copysign(1.0 / t.speed, dot(increment, load_solution));

@@ -60,18 +60,19 @@ struct PathMemory {
   double rate = 0.0;          ///< dlambda/ds, whose sign changes at limit points; 0: not known
   long negative_pivots = -1;  ///< of the tangent at the state; -1: not known
   bool has_branched = false;
+  double doubted = 0.0;  ///< length of a step that has led off the path where this one may turn back; 0: none
 };
-constexpr std::size_t path_numbers = 5;
+constexpr std::size_t path_numbers = 6;
 /// Nothing where there is nothing to remember.
 [[nodiscard]] inline std::vector<double> numbers_of(const PathMemory& p) {
   if (p.steps == 0 && p.unit == 0.0) return {};
-  return {static_cast<double>(p.steps), p.unit, p.rate, static_cast<double>(p.negative_pivots),
-          p.has_branched ? 1.0 : 0.0};
+  return {static_cast<double>(p.steps), p.unit,   p.rate, static_cast<double>(p.negative_pivots),
+          p.has_branched ? 1.0 : 0.0,   p.doubted};
 }
 /// Nothing is remembered if there are no numbers.
 [[nodiscard]] inline PathMemory path_of(const std::vector<double>& n) {
   if (n.size() != path_numbers) return {};
-  return {static_cast<int>(n[0]), n[1], n[2], static_cast<long>(n[3]), n[4] > 0.0};
+  return {static_cast<int>(n[0]), n[1], n[2], static_cast<long>(n[3]), n[4] > 0.0, n[5]};
 }
 
 /// Where the last step of a motion began: damping and drag, and so reactions, depend on it.

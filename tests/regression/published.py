@@ -1,12 +1,13 @@
 """Published load paths, modes and limit loads against their sources, and what they cost."""
 
 import math
+import re
 
 import numpy as np
 from benchmarks import BENCHMARKS, compare
-from common import base, drape_script, plate, without_stops
+from common import base, drape_script, fresh, plate, without_stops
 from curves import at_load
-from harness import solve, test
+from harness import OUT, run, solve, test, write_case
 from linear import LINEAR, answer
 from modes import MODES, computed_modes
 from solver import load_case, variant
@@ -143,6 +144,31 @@ def roofs(report):
             for computed, expected in comparison.limits:
                 # The published one of the 0/90/0 roof is itself off: 1.40, 1.26, 1.18 % at 16, 20, 24 cells.
                 report.percent(computed / expected, 0.015 if name == "roof_0_90_0_12.7" else 0.01, f"limit load {computed:.5g} against {expected:.5g}")
+
+
+@test
+def snap_back_by_displacement(report):
+    """Where the displacement that is prescribed turns back, the path ends there: what comes after is said to be another one, unbroken or gone on with."""
+    case = mesh_of("roof_isotropic_6.35", n_axial=8, n_circ=8)
+    arc = solve("snap_back_arc", case)
+    case["steps"]["control"] = "displacement"
+    result = solve("snap_back", case)
+    jumps = re.findall(r"load factor (\S+): control_probe turns back", result.text)
+    limits = re.findall(r"limit point at load factor (\S+)", result.text)
+    report.check(len(jumps) == 1 and len(limits) == 1, f"jumps said at {jumps}, limit points at {limits}")
+    way = -arc.history["C_z"]
+    turn = int(np.argmax(way[:-1] > way[1:]))  # the last state before the path turns back
+    last = int(np.argmin(abs(result.history["load_factor"] - float(jumps[0] if jumps else 0))))
+    near = slice(turn + 7, turn - 7, -1)  # where the load falls
+    on_path = np.interp(result.history["load_factor"][last], arc.history["load_factor"][near], way[near])
+    report.percent(-result.history["C_z"][last] / on_path, 0.001, "the last state before is on the path by arc length")
+    report.below(1 - way[turn] / -result.history["C_z"][last], 0.01, "and where that turns back, short of it by")
+    case["steps"]["max_steps"] = 10
+    part = run(write_case(case, OUT / "snap_back_part.toml"), fresh("snap_back_part"))
+    del case["steps"]["max_steps"]
+    rest = solve("snap_back_rest", case, options=["--restart", part.folder / "checkpoint.h5"])
+    report.check(part.code == 3 and rest.history["C_z"][-1] == result.history["C_z"][-1] and rest.history["load_factor"][-1] == result.history["load_factor"][-1],
+                 f"gone on with after 10 steps: load factor {rest.history['load_factor'][-1]!r}, unbroken {result.history['load_factor'][-1]!r}")
 
 
 @test
