@@ -14,7 +14,7 @@ constexpr double much = 0.05;
 
 }  // namespace
 
-std::string balance_text(const system::EnergyBalance& b) {
+std::string balance_text(const system::EnergyBalance& b, double round_off) {
   std::string text = fmt::format("energy [J]: {:.4g} at the start", b.initial);
   const auto add = [&](const char* what, double value, bool always) {
     if (always || value != 0.0) text += fmt::format(", {} {:.4g}", what, value);
@@ -29,9 +29,10 @@ std::string balance_text(const system::EnergyBalance& b) {
   add("friction", b.friction, false);
   add("friction inside the fabric", b.fabric, false);
   add("numerical", b.numerical, true);
-  const double all = b.turnover();
-  return text + fmt::format("; unaccounted {:.2g} ({:.2g} %)", b.unaccounted,
-                            all > 0.0 ? 100.0 * std::abs(b.unaccounted) / all : 0.0);
+  const double all = b.turnover(), amiss = std::abs(b.unaccounted);
+  text += fmt::format("; unaccounted {:.2g}", b.unaccounted);
+  if (amiss <= round_off) return text + " (round-off)";
+  return text + fmt::format(" ({:.2g} %)", all > 0.0 ? 100.0 * amiss / all : 0.0);
 }
 
 std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOptions& options, double round_off) {

@@ -21,8 +21,8 @@ struct KineticEnergy {
   [[nodiscard]] bool at_rest() const { return largest > 0.0 && last < 1e-6 * largest; }
 };
 
-/// One line each for the end of a run; the last one is empty if nothing has moved.
-[[nodiscard]] std::string balance_text(const system::EnergyBalance& balance);
+/// One line each for the end of a run; the last one is empty if nothing has moved. Up to `round_off` [J] nothing is amiss.
+[[nodiscard]] std::string balance_text(const system::EnergyBalance& balance, double round_off);
 /// What to do if much of the energy is not accounted for, else empty. `round_off`: energy that is none [J].
 [[nodiscard]] std::string balance_warning(const system::EnergyBalance& balance, const solve::TimeOptions& options,
                                           double round_off = 0.0);

@@ -103,7 +103,7 @@ void print_end(const input::Case& c, const std::string& folder, const Summary& s
   fmt::print("{} steps, {} Newton iterations, {} factorisations{}, {:.1f} CPU s, {:.1f} s{}\n", s.steps,
              s.newton_iterations, s.factorisations, iterative_text(s.iterative), s.cpu_seconds, s.wall_seconds,
              folder.empty() ? "" : "; results in " + folder);
-  if (s.balance.kept) fmt::print("{}\n", balance_text(s.balance));
+  if (s.balance.kept) fmt::print("{}\n", balance_text(s.balance, s.round_off_energy));
   if (s.kinetic && s.kinetic->largest > 0.0) fmt::print("{}\n", rest_text(*s.kinetic));
   if (!s.converged) return;  // the reason follows on stderr
   for (const std::string& text : {state_text(c, s), resolved_text(c, s), failure_text(s), next_text(c, folder, s)})

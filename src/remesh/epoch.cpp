@@ -33,6 +33,11 @@ bool holds(const Holder& s, double time) {
   return s.release > time;
 }
 
+template <class Holders>
+std::size_t holding_count(const Holders& all, double time) {
+  return static_cast<std::size_t>(std::count_if(all.begin(), all.end(), [&](const auto& s) { return holds(s, time); }));
+}
+
 system::ModelInput holding(system::ModelInput input, const std::vector<char>& frozen, double time) {
   for (std::size_t i = 0; i < input.supports.size(); ++i) {
     if (!frozen[i]) continue;
@@ -62,8 +67,8 @@ Epoch::Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& m
              const std::vector<char>& frozen, const results::Checkpoint& start)
     : stage_(stage),
       end_(end_of_epoch(stage, start.time)),
-      supports_(static_cast<std::size_t>(std::count_if(input.supports.begin(), input.supports.end(),
-                                                       [&](const auto& s) { return holds(s, start.time); }))),
+      supports_(holding_count(input.supports, start.time)),
+      attachments_(holding_count(input.attachments, start.time)),
       model_(comm, mesh, holding(std::move(input), frozen, start.time)),
       state_(scatter(start, model_.dofs())) {
   if (stage.analysis == input::Analysis::dynamic || stage.vibrates()) system::require_mass(model_);
@@ -73,6 +78,11 @@ Epoch::Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& m
   std::vector<double> leaks = start.leaks;
   mpi::broadcast(comm, leaks);
   model_.conditions().restore_leaks(leaks);
+}
+
+std::string Epoch::holders() const {
+  if (attachments_ == 0) return fmt::format("{} support(s) hold", supports_);
+  return fmt::format("{} support(s) and {} attachment(s) hold", supports_, attachments_);
 }
 
 bool Epoch::ends_at(double time) const {

@@ -42,7 +42,8 @@ class Epoch {
   [[nodiscard]] double end() const { return end_; }
   /// Whether another epoch of the stage begins at this time.
   [[nodiscard]] bool ends_at(double time) const;
-  [[nodiscard]] std::size_t support_count() const { return supports_; }
+  /// How many supports and attachments hold, for a message.
+  [[nodiscard]] std::string holders() const;
   [[nodiscard]] bool moves() const { return stage_.analysis == input::Analysis::dynamic; }
 
  private:
@@ -51,8 +52,8 @@ class Epoch {
   void make_path(const record::Recorder& recorder, Origin origin);
 
   const input::Case& stage_;
-  double end_;            ///< time at which supports release, or the stage ends [s]
-  std::size_t supports_;  ///< that hold
+  double end_;                          ///< time at which supports release, or the stage ends [s]
+  std::size_t supports_, attachments_;  ///< that hold
   system::Model model_;
   system::State state_;
   bool prepared_ = false;

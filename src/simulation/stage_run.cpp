@@ -153,7 +153,7 @@ void StageRun::end_epoch() {
   const results::Checkpoint start = remesh::gather(state, epoch_->model());
   recorder_.write_pending();
   epoch_ = std::make_unique<Epoch>(comm(), stage_.c, epoch_->model().dofs().mesh(), stage_.input, stage_.frozen, start);
-  recorder_.remark(fmt::format("t = {:.6g} s: {} support(s) hold", start.time, epoch_->support_count()));
+  recorder_.remark(fmt::format("t = {:.6g} s: released; {}", start.time, epoch_->holders()));
   open(Origin::epoch);
 }
 
