@@ -22,7 +22,9 @@ PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
   t.good = std::isfinite(t.speed) && t.speed > 0.0;
   t.negative_pivots = linear.negative_eigenvalues();
   if (!t.good) return t;
+  VOILE_PETSC(VecCopy(mode, last_mode));
   t.eigenvalue = linear::inverse_iteration(model, linear, mode, iterations_per_step);
+  t.kept = std::abs(dot(mode, last_mode));
   double work = 0.0, size = 0.0, force = 0.0;
   VOILE_PETSC(VecDot(mode, load, &work));
   VOILE_PETSC(VecNorm(mode, NORM_2, &size));
@@ -137,7 +139,7 @@ void PathFollower::Impl::predict(const Constraint& constraint, double& lambda) {
     change = (constraint.value - probed(accepted)) / probed(tangent_solution);
   if (constraint.kind == Control::arc_length) {
     double sign = dot(previous, tangent_solution);
-    if (sign == 0.0) sign = direction() * (options.final_displacement != 0.0 ? probed(tangent_solution) : 1.0);
+    if (sign == 0.0) sign = 1.0;  // loads act as they are given, wherever the probe goes at first
     change = std::copysign(constraint.value / tangent.speed, sign);
   }
   rate = std::copysign(1.0 / tangent.speed, change);

@@ -66,7 +66,12 @@ void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
   may_branch = options.at_critical_point == AtCriticalPoint::switch_branch && !memory.has_branched;
   if (remark && !state.previous && options.final_displacement != 0.0 &&
       (options.final_displacement - probed(accepted)) * probed(load_solution) < 0.0)
-    remark("the loads move control_probe away from final_displacement: load factors decrease at the start of the path");
+    remark(options.control == Control::arc_length
+               ? "at first the loads move control_probe away from final_displacement; if the path does not turn, "
+                 "reverse the "
+                 "loads"
+               : "the loads move control_probe away from final_displacement: load factors decrease at the start of the "
+                 "path");
   if (memory.rate == 0.0 || !state.previous) return;
   // Another mesh may have its critical point on the other side of the state.
   rate = std::copysign(1.0 / tangent.speed, dot(previous, load_solution));
@@ -162,12 +167,14 @@ std::optional<CriticalPoint> PathFollower::Impl::passed(const Tangent& after, do
   if (!kind) return std::nullopt;
   CriticalPoint point;
   point.kind = *kind;
-  // The load turns at a limit point, whose mode it pushes; also where a step has run over to the branch of a bifurcation.
+  // The load turns at a limit point, whose mode it pushes; also where a step has run over to the branch of a bifurcation, whose
+  // mode is the one that follows.
   constexpr double not_pushed = 1e-3;
-  if (point.kind == CriticalPoint::Kind::limit && tangent.pushed < not_pushed)
+  constexpr double same = 0.5;
+  const bool follows = tangent.eigenvalue * after.eigenvalue < 0.0 && after.kept > same;
+  if (point.kind == CriticalPoint::Kind::limit && follows && tangent.pushed < not_pushed)
     point.kind = CriticalPoint::Kind::bifurcation;
   point.step = steps + 1;
-  const bool follows = tangent.eigenvalue * after.eigenvalue < 0.0;
   if (point.kind == CriticalPoint::Kind::both || (point.kind == CriticalPoint::Kind::bifurcation && !follows))
     point.between = {factor, lambda};
   if (point.kind != CriticalPoint::Kind::bifurcation) {

@@ -22,7 +22,7 @@ struct PathFollower::Impl {
   petsc::VecHandle probe;                          ///< c
   petsc::VecHandle accepted, increment, previous;  ///< accepted state, Da, the increment that led to the accepted state
   petsc::VecHandle tangent_solution;               ///< x_f of the accepted state
-  petsc::VecHandle load_solution, residual_solution, residual, load, scratch, trial;
+  petsc::VecHandle load_solution, residual_solution, residual, load, scratch, last_mode;
   petsc::VecHandle mode;  ///< eigenvector nearest to singularity, <mode, mode> = 1
   double factor = 0.0;    ///< load factor of the accepted state
   double rate = 0.0;      ///< dlambda/ds in the accepted state along the path
@@ -42,6 +42,7 @@ struct PathFollower::Impl {
     long negative_pivots = -1;
     double eigenvalue = 0.0;  ///< of K in W, nearest to zero
     double speed = 0.0;       ///< |x_f|
+    double kept = 0.0;        ///< |<m, m'>| of its mode m and the one found at the tangent before, m'
     double pushed = 1.0;      ///< |m.f| / |m| |f| of the mode m of that eigenvalue: 0 where the load does no work on it
   } tangent;                  ///< at the accepted state
 
@@ -55,7 +56,7 @@ struct PathFollower::Impl {
   Impl(system::Model& m, StaticOptions o, const Remark& r, Vec c)
       : model(m), options(std::move(o)), remark(r), newton(m), linear(newton.linear_solver()) {
     for (petsc::VecHandle* v : {&accepted, &increment, &previous, &tangent_solution, &load_solution, &residual_solution,
-                                &residual, &load, &scratch, &trial})
+                                &residual, &load, &scratch, &last_mode})
       *v = m.dofs().create_vector();
     if (c) {
       probe = m.dofs().create_vector();
@@ -74,10 +75,6 @@ struct PathFollower::Impl {
     double value = 0.0;
     if (probe) VOILE_PETSC(VecDot(probe, x, &value));
     return value;
-  }
-  [[nodiscard]] double direction() const {  ///< of the load or the controlled displacement
-    const double end = options.final_displacement != 0.0 ? options.final_displacement : options.final_load_factor;
-    return end >= 0.0 ? 1.0 : -1.0;
   }
 
   [[nodiscard]] Tangent tangent_at(Vec a);

@@ -52,6 +52,13 @@ def rubber_balloons(report):
     report.percent(factor, 0.012, "sphere: largest pressure")
     report.near(1 + height, 7**(1 / 6), 0.03, "sphere: stretch there")
     report.near(h["negative_pivots"][-1], 1, 0, "sphere: unstable beyond")
+    for pattern, times in ((0, 20), (1, 50)):  # a lower mode than that of the limit point is followed, or both one after the other
+        thick = variant(sphere("neo_hookean", 6), {"mesh.parameters.pattern": pattern, "material.0.thickness": times * 1e-3})
+        thick["load"][0]["magnitude"] *= times / 2.5
+        thick["steps"] = {"control": "arc_length", "control_probe": "pole", "final_displacement": 1.0, "initial_step": 0.1}
+        points = solve(f"rubber_sphere_{pattern}", thick).summary["critical_points"]
+        report.check([c["kind"] for c in points] == ["limit point"], f"pattern {pattern}, long steps by arc length: {points}")
+        report.percent(points[0]["load_factor"] / 2.5, 0.012, "its load")
     gas = {"type": "gas", "magnitude": 8e3, "ambient": 2e3, "exponent": 1.0, "apex": [0, 0, 0]}
     held = path | {"load": [gas], "steps": {"initial_step": 0.05, "max_step": 0.1}}
     stretch = brentq(lambda a: 1e4 / a**3 - 2e3 - sphere_pressure(law, a), 1.1, 3.0)

@@ -183,6 +183,9 @@ def said_against(report):
                      probe=[{"name": "up", "type": "displacement", "group": "tip", "components": ["z"]}])
         done = solve("said_against", case)
         report.check(("load factors decrease" in done.text) == wanted and done.history["load_factor"][-1] * end > 0, f"to {end}: load factor {done.history['load_factor'][-1]:.3g}")
+    case["steps"] |= {"control": "arc_length", "max_steps": 3}
+    done = run(write_case(case, OUT / "said_against_arc.toml"), fresh("said_against_arc"))
+    report.check("reverse the loads" in done.text and min(done.history["load_factor"][1:]) > 0, f"by arc length they begin as they are given: {done.history['load_factor']}")
 
 
 @test
