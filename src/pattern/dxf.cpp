@@ -105,11 +105,19 @@ class DxfReader {
   [[nodiscard]] double file_unit() {
     static const std::map<int, double> units{{1, 0.0254}, {2, 0.3048},  {4, 1e-3}, {5, 1e-2},
                                              {6, 1.0},    {10, 0.9144}, {14, 0.1}};
-    if (const auto at = units.find(variable("$INSUNITS")); at != units.end()) return at->second;
     std::string words = told(file_.entities, "units:");
     for (const DxfBlock& b : file_.blocks)
       if (words.empty()) words = told(b.entities, "units:");
     words = lower(words);
+    if (const auto at = units.find(variable("$INSUNITS")); at != units.end()) {
+      const bool is_english = at->first == 1 || at->first == 2 || at->first == 10;
+      if (words.starts_with(is_english ? "metric" : "english"))
+        pattern_.notes.push_back(fmt::format(
+            "{}: its text 'Units: {}' contradicts $INSUNITS, which makes a unit {:g} m and is taken; the key unit of "
+            "[[panel]] sets it",
+            name(), words, at->second));
+      return at->second;
+    }
     if (words.starts_with("metric")) return 1e-3;
     if (words.starts_with("english")) return 0.0254;
     const int measurement = variable("$MEASUREMENT");
@@ -133,8 +141,28 @@ class DxfReader {
         if (std::abs(std::abs(e.real(scale, 1.0)) - 1.0) > 1e-9)
           e.fail(fmt::format("it places block '{}' {:g} times as large; explode it, or draw the block in its size",
                              block, e.real(scale, 1.0)));
-      if (std::find(placed_.begin(), placed_.end(), block) == placed_.end()) placed_.push_back(block);
+      if (!contains(placed_, block)) placed_.push_back(block);
+      ++times_placed_[block];
+      if (e.real(41, 1.0) * e.real(42, 1.0) < 0.0) ++times_mirrored_[block];
     }
+  }
+
+  /// A block is one piece, as it is drawn, however often and on which side it is to be cut.
+  void note_copies(const DxfBlock& b, const std::string& piece) {
+    const std::string quantity = told(b.entities, "quantity:");
+    const auto of = [&](const std::map<std::string, int>& counts) {
+      const auto at = counts.find(b.name);
+      return at == counts.end() ? 0 : at->second;
+    };
+    const int placed = of(times_placed_), mirrored = of(times_mirrored_);
+    if (placed <= 1 && mirrored == 0 && (quantity.empty() || quantity == "1")) return;
+    std::string why = quantity.empty() || quantity == "1" ? "" : "quantity " + quantity;
+    if (placed > 1 || mirrored > 0)
+      why += fmt::format("{}placed {} time(s), {} of them mirrored", why.empty() ? "" : ", ", placed, mirrored);
+    pattern_.notes.push_back(fmt::format(
+        "{}: piece '{}' ({}) is read once, as it is drawn; a [[panel]] of its own, with mirror = true for a "
+        "mirrored one, makes another",
+        name(), piece, why));
   }
 
   [[nodiscard]] Piece scaled(Piece piece) const {
@@ -167,6 +195,7 @@ class DxfReader {
         piece.name = piece_name;
         if (!alone) check_piece(pattern_, piece);
         pattern_.notes.insert(pattern_.notes.end(), notes.begin(), notes.end());
+        note_copies(*b, piece_name);
         pattern_.pieces.push_back(std::move(piece));
       } catch (const UserError& e) {
         if (alone) throw;
@@ -230,6 +259,7 @@ class DxfReader {
   Pattern pattern_;
   std::vector<std::string> seen_;    ///< names of outlines
   std::vector<std::string> placed_;  ///< names of blocks
+  std::map<std::string, int> times_placed_, times_mirrored_;
   double unit_ = 0.0;
 };
 

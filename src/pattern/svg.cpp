@@ -9,6 +9,7 @@
 #include <cstring>
 #include <numbers>
 #include <pugixml.hpp>
+#include <sstream>
 
 #include "base/length_unit.hpp"
 #include "base/text.hpp"
@@ -124,6 +125,14 @@ std::string style_of(const pugi::xml_node& node) {
   return style;
 }
 
+std::vector<std::string> split_at(char separator, const std::string& text) {
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, separator);)
+    if (!part.empty()) parts.push_back(part);
+  return parts;
+}
+
 class SvgReader {
  public:
   SvgReader(const std::filesystem::path& file, const ReadOptions& options) : options_(options) { pattern_.file = file; }
@@ -140,6 +149,7 @@ class SvgReader {
     unit_ = options_.unit > 0.0 ? options_.unit : file_unit(root);
     Affine to_metres;
     to_metres.m = Vec2(unit_, -unit_).asDiagonal();  // y points down in the file
+    read_style_sheets(root);
     walk(root, to_metres, "");
     if (pattern_.pieces.empty())
       throw UserError(fmt::format(
@@ -176,6 +186,52 @@ class SvgReader {
     return false;
   }
 
+  /// Classes that the style sheet hides. Throws UserError where it hides something by another selector.
+  void read_style_sheet(const pugi::xml_node& node) {
+    std::string text;
+    for (const pugi::xml_node& part : node.children()) text += part.value();
+    std::erase_if(text, [](unsigned char c) { return std::isspace(c); });
+    for (std::size_t at = 0; (at = text.find("/*")) != std::string::npos;)
+      text.erase(at, text.find("*/", at) == std::string::npos ? std::string::npos : text.find("*/", at) + 2 - at);
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t open = text.find('{', at), close = text.find('}', at);
+      if (open == std::string::npos || close == std::string::npos || close < open) return;
+      const std::string selectors = text.substr(at, open - at), rule = ";" + text.substr(open + 1, close - open - 1);
+      at = close + 1;
+      if (!hides(rule)) continue;
+      for (const std::string& selector : split_at(',', selectors)) {
+        if (selector.size() < 2 || selector[0] != '.' || selector.find_first_of(".#>:[*+~", 1) != std::string::npos)
+          throw UserError(fmt::format(
+              "{}: its style sheet hides what '{}' selects, which is not read; hide shapes by the attribute "
+              "display=\"none\"",
+              pattern_.file.string(), selector));
+        hidden_classes_.push_back(selector.substr(1));
+      }
+    }
+  }
+
+  void read_style_sheets(const pugi::xml_node& parent) {
+    for (const pugi::xml_node& node : parent.children())
+      std::strcmp(node.name(), "style") == 0 ? read_style_sheet(node) : read_style_sheets(node);
+  }
+
+  static bool hides(const std::string& style) {
+    for (const char* rule : {";display:none", ";visibility:hidden", ";visibility:collapse"})
+      if (style.find(rule) != std::string::npos) return true;
+    return false;
+  }
+
+  /// By itself, not by what it is in.
+  [[nodiscard]] bool is_made_hidden(const pugi::xml_node& node) const {
+    const std::string visibility = node.attribute("visibility").value();
+    if (std::strcmp(node.attribute("display").value(), "none") == 0 || visibility == "hidden" ||
+        visibility == "collapse" || hides(style_of(node)))
+      return true;
+    const std::vector<std::string> classes = split_at(' ', node.attribute("class").value());
+    return std::any_of(classes.begin(), classes.end(),
+                       [&](const std::string& name) { return contains(hidden_classes_, name); });
+  }
+
   /// What would be drawn in another size or place than is read here.
   static void refuse_placed(const pugi::xml_node& node, const std::string& element, const std::string& where) {
     if (style_of(node).find(";transform:") != std::string::npos)
@@ -197,9 +253,8 @@ class SvgReader {
       if (name.empty()) name = node.attribute("id").value();
       if (name.empty()) name = group;
       const std::string where = fmt::format("{}: {} '{}'", pattern_.file.string(), element, name);
-      if (std::strcmp(node.attribute("display").value(), "none") == 0 ||
-          style_of(node).find(";display:none") != std::string::npos) {
-        pattern_.notes.push_back(fmt::format("{} is hidden (display: none), and is passed over", where));
+      if (is_made_hidden(node)) {
+        pattern_.notes.push_back(fmt::format("{} is hidden (display or visibility), and is passed over", where));
         continue;
       }
       refuse_placed(node, element, where);
@@ -269,7 +324,7 @@ class SvgReader {
 
   const ReadOptions& options_;
   Pattern pattern_;
-  std::vector<std::string> seen_;  ///< names of outlines
+  std::vector<std::string> seen_, hidden_classes_;  ///< names of outlines, and of classes of the style sheet
   double unit_ = 0.0;
 };
 

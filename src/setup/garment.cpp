@@ -61,7 +61,8 @@ void turn_along(const input::Case& c, const input::PanelSection& s, pattern::Pan
   using Along = input::PanelSection::Along;
   if (s.wrap_along == Along::as_placed || !p.wrap) return;
   const bool is_x = s.wrap_along == Along::x || s.wrap_along == Along::minus_x;
-  const bool is_against = s.wrap_along == Along::minus_x || s.wrap_along == Along::minus_y;
+  const bool is_flipped = is_x && s.mirror;  // x as it is drawn
+  const bool is_against = (s.wrap_along == Along::minus_x || s.wrap_along == Along::minus_y) != is_flipped;
   const Vec3 drawn = (is_against ? -1.0 : 1.0) * (is_x ? Vec3::UnitX() : Vec3::UnitY());
   const Vec3 placed = p.turn * p.piece.rotation * drawn;
   constexpr double opposite = 1e-6;

@@ -69,6 +69,12 @@ def garment_landmarks(report):
     marks = [{"name": "top", "point": [0.2, 0, 0.3]}, {"name": "end", "point": [0.5, 0.1, 0]}]
     left = corners("its pair", worn([piece(**between)], marks), report)
     report.below(np.abs(right * [-1, 1, 1] - left).max(), 1e-12, "corners of the mirror image between mirrored points [m]")
+    along = between | {"wrap_along": "x", "rotate": [0, 0, 0]}
+    marks = [{"name": "top", "point": [-0.2, 0, 0.3]}, {"name": "end", "point": [-0.5, 0.1, 0]}]
+    right = corners("along x mirrored", worn([piece(**(along | {"mirror": True, "rotate": [0, 0, 180]}))], marks), report)
+    left = corners("along x", worn([piece(**along)], marks), report)
+    axis = np.array([-0.3, 0.1, -0.3])
+    report.below(np.abs(np.sort(right @ axis) - np.sort(left @ axis)).max(), 1e-9, "x is as it is drawn: way along the axis of the mirror image [m^2]")
 
 
 @test

@@ -402,6 +402,19 @@ TEST_CASE("DXF: blocks that are placed are passed over and named; in another siz
   CHECK(has(refusal("p.dxf", drawing(polyline("front", square) + larger)), "places block 'SLEEVE' 2 times as large"));
   const std::string own = section("BLOCKS", block("SLEEVE", polyline("1", square)));
   CHECK(read("p.dxf", drawing(placed, header(4) + own)).notes.empty());
+  const std::string turned = entity("INSERT", "0", groups({{2, "SLEEVE"}, {41, "-1"}}));
+  for (const std::string& times : {turned, placed + placed, placed + turned}) {
+    const pattern::Pattern once = read("p.dxf", drawing(times, header(4) + own));
+    CHECK(once.pieces.size() == 1);
+    REQUIRE(once.notes.size() == 1);
+    CHECK(has(once.notes[0], "piece 'SLEEVE' (placed"));
+  }
+  const std::string pair = block("SLEEVE", polyline("1", square) + entity("TEXT", "1", groups({{1, "Quantity: 2"}})) +
+                                               entity("TEXT", "1", groups({{1, "Units: ENGLISH"}})));
+  const pattern::Pattern cut = read("p.dxf", drawing(placed, header(4) + section("BLOCKS", pair)));
+  REQUIRE(cut.notes.size() == 2);
+  CHECK(has(cut.notes[0], "contradicts $INSUNITS"));
+  CHECK(has(cut.notes[1], "(quantity 2) is read once"));
 }
 
 TEST_CASE("Halves of other formats unfold across an edge that is named") {

@@ -159,11 +159,20 @@ TEST_CASE("SVG: lengths with units, and what is hidden or drawn in another size"
   CHECK(shown.pieces.size() == 1);
   REQUIRE(shown.notes.size() == 2);
   CHECK(has(shown.notes[0], "'guides' is hidden"));
+  const std::string triangle = R"(<path d="M0 0 H50 V50 Z" id=)";
+  const pattern::Pattern styled =
+      read("pattern.svg",
+           svg("<defs><style>/* .P{display:none} */ .a, .b { fill:red; display : none; } .c{fill:red}</style></defs>" +
+               triangle + R"("Q" class="c b"/>)" + triangle + R"("R" visibility="hidden"/>)" + triangle +
+               R"("S" style="visibility: collapse"/>)" + square(R"(class="P c")")));
+  CHECK(styled.pieces.size() == 1);
+  CHECK(styled.notes.size() == 3);
   const auto says = [](const std::string& content, const char* part) {
     const std::string message = refusal("pattern.svg", svg(content));
     INFO(message);
     CHECK(has(message, part));
   };
+  says("<style>path.a > rect{display:none}</style>" + square(""), "hides what 'path.a>rect' selects");
   says(R"(<rect id="P" width="50%" height="5"/>)", "width = '50%' is no length");
   says(square(R"x(style="fill:none;transform:scale(2)")x"), "make it the attribute transform");
   says(R"(<svg width="50" height="50" viewBox="0 0 10 10">)" + square("") + "</svg>", "a drawing within the drawing");
