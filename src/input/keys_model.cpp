@@ -193,7 +193,8 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
                                {"sliding", system::Support::Kind::sliding},
                                {"symmetry", system::Support::Kind::symmetry}}),
        .meaning = "`displacement`: the named components are prescribed. `hinged`: all three are, the edge may turn. "
-                  "`clamped`: as hinged, and the slope across the edge is held. `sliding`: that slope alone, and the "
+                  "`clamped`: as hinged, and the slope across the edge, or round the surface, is held. `sliding`: that "
+                  "slope alone, and the "
                   "named components. `symmetry`: mirror plane.",
        .required = true},
       {.name = "group",

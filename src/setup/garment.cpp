@@ -23,6 +23,7 @@
 #include "mesh_transfer.hpp"
 #include "model_input.hpp"
 #include "panel_measures.hpp"
+#include "parting.hpp"
 #include "pattern/garment.hpp"
 #include "voile/errors.hpp"
 
@@ -320,21 +321,6 @@ pattern::Garment garment_of(const input::Case& c) {
   return garment;
 }
 
-/// Parts the sheet along hinges.
-mesh::SurfaceMesh with_hinges(const input::Case& c, mesh::SurfaceMesh whole) {
-  if (c.hinges.empty()) return whole;
-  mesh::MeshData data = whole.data();
-  for (const system::Hinge& hinge : c.hinges) {
-    if (!whole.has_group(hinge.group)) continue;  // check_group_names() tells
-    for (mesh::Segment edge : whole.group(hinge.group).segments) {
-      std::sort(edge.begin(), edge.end());
-      data.hinges.push_back(edge);
-    }
-  }
-  std::sort(data.hinges.begin(), data.hinges.end());
-  return mesh::SurfaceMesh(std::move(data));
-}
-
 /// The model would tell of the mesh only, where the mistake is in the case.
 void check_attached_groups(const input::Case& stage, const mesh::SurfaceMesh& mesh) {
   std::vector<std::string> known;
@@ -366,7 +352,7 @@ mesh::SurfaceMesh mesh_of(MPI_Comm comm, const input::Case& c) {
 
 mesh::SurfaceMesh case_mesh(MPI_Comm comm, const input::Case& c) {
   mesh::SurfaceMesh mesh =
-      with_imperfections(comm, c, with_form(comm, c, with_hinges(c, with_group_unions(c, mesh_of(comm, c)))));
+      with_imperfections(comm, c, with_form(comm, c, parted(c, with_group_unions(c, mesh_of(comm, c)))));
   check_attached_groups(c, mesh);
   for (const input::Case& stage : c.stages) check_attached_groups(stage, mesh);
   return mesh;

@@ -262,7 +262,9 @@ std::string joint_note(const mesh::SurfaceMesh& mesh) {
   });
   const auto others = static_cast<std::ptrdiff_t>(mesh.joints().size()) - hinges;
   const auto edges = [](auto n) { return fmt::format("{} {}", n, n == 1 ? "edge" : "edges"); };
-  std::string text = hinges > 0 ? fmt::format("[[hinge]] parts the sheet at {}", edges(hinges)) : "";
+  std::string text =
+      hinges > 0 ? fmt::format("the sheet is parted at {}, by [[hinge]] or round what `clamped` holds", edges(hinges))
+                 : "";
   if (others > 0)
     text += fmt::format("{}sheets are joined at {} of three or more triangles, or of two that cannot be oriented alike",
                         text.empty() ? "" : "; ", edges(others));

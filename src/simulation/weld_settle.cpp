@@ -51,7 +51,7 @@ petsc::VecHandle forces_beyond(system::Model& model, Vec u, const std::vector<ch
 std::string settle_weld(Epoch& epoch, const std::vector<std::string>& seams,
                         const system::DynamicsOptions& dynamics_options) {
   if (seams.empty() || !epoch.moves() || !epoch.state().v) return "";
-  epoch.prepare(Origin::stage);
+  epoch.prepare(remesh::Origin::stage);
   system::Model& model = epoch.model();
   system::State& state = epoch.state();
   system::Dynamics dynamics(model, dynamics_options);

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/decompositions.hpp"
+#include "mesh/border.hpp"
 #include "mirror_plane.hpp"
 #include "voile/errors.hpp"
 
@@ -160,6 +161,23 @@ Mat3 support_axes(const mesh::SurfaceMesh& mesh, const Support& support, Index v
   return axes;
 }
 
+/// The slopes round a clamped surface, where the sheet ends there: not in the mesh of a remeshed run.
+void add_border(const mesh::SurfaceMesh& mesh, const mesh::Group& group, int turned_by, Constraints& result) {
+  const std::vector<mesh::Segment> border = mesh::inner_border(mesh, group);
+  for (const mesh::Joint& joint : mesh.joints()) {
+    if (std::find(border.begin(), border.end(), joint.edge) == border.end()) continue;
+    for (const mesh::TriangleSide& side : joint.sides) {
+      const auto is_here = [&](const mesh::MirrorSide& m) {
+        return m.triangle == side.triangle && m.side == side.side;
+      };
+      if (std::any_of(result.mirrors.begin(), result.mirrors.end(), is_here)) continue;
+      const Vec3 normal = mesh.start_normal(side.triangle);
+      result.mirrors.push_back({side.triangle, side.side, 2.0 * normal * normal.transpose() - Mat3::Identity()});
+      result.turned_by.push_back(turned_by);
+    }
+  }
+}
+
 /// `number`: of the support.
 void add_fixed(const mesh::SurfaceMesh& mesh, const Support& support, int number, Constraints& result,
                Conditions& conditions) {
@@ -174,6 +192,8 @@ void add_fixed(const mesh::SurfaceMesh& mesh, const Support& support, int number
       result.mirrors.push_back(m);
       result.turned_by.push_back(support.rotation ? number : -1);
     }
+  if (support.kind == Support::Kind::clamped && group.dimension == 2)
+    add_border(mesh, group, support.rotation ? number : -1, result);
   if (support.kind == Support::Kind::clamped && group.dimension == 0)
     throw UserError(name_of(support) + ": a point has no slope to clamp; use `hinged`, or name a curve group");
   const bool all = support.kind != Support::Kind::displacement && !slides;

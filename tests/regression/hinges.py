@@ -178,3 +178,35 @@ def hinge_mistakes(report):
     code, text = invoke(["check", write_case(good, OUT / "hinge_good.toml")])
     report.check("round-off" not in text, "not of a good one")
     report.check(code == 0 and "[[hinge]] parts the sheet at 2 edges" in text and "three or more" not in text, "check counts hinges")
+
+
+@test
+def clamped_surface(report):
+    """The slope is held round a clamped piece of a sheet as at a clamped edge: under loads, in modes, in motion where the clamp turns, gone on with; a new mesh would lose that, which is said."""
+    whole, part = Panels(), Panels()
+    for p in (whole, part):
+        if p is whole:
+            p.add("held", (-0.5, 0, 0), (0.5, 0, 0), (0, 1, 0), 2, 4)
+        far = p.add("free", (0, 0, 0), (1, 0, 0), (0, 1, 0), 4, 4)
+        p.point("corner", far[-1, 0])
+    turn = {"rotation_axis": [0, 1, 0], "rotation_centre": [0, 0, 0], "rotation_angle": "200*t"}
+    ends = {}
+    for name, p, group in (("surface", whole, "held"), ("edge", part, "free start")):
+        mesh = str(p.write(OUT / f"clamped_{name}.msh"))
+        support = {"type": "clamped", "group": group}
+        case = {"mesh": {"file": mesh}, "material": [SHEET], "support": [support],
+                "probe": [{"name": "corner", "type": "displacement", "group": "corner"}]}
+        load = {"load": [{"type": "area", "group": "free", "vector": [0, 0, 20.0]}]}
+        held = solve(f"clamped_{name}", case | load | {"analysis": "static", "contact": {"distance": 0.01}}, 2)
+        modes = solve(f"clamped_{name}_modes", case | {"analysis": "modal", "eigen": {"modes": 3}})
+        motion = case | {"analysis": "dynamic", "contact": {"distance": 0.01}, "time": {"end": 0.1, "step": 2e-3}, "support": [support | turn]}
+        swung = solve(f"clamped_{name}_turn", motion)
+        half = solve(f"clamped_{name}_half", motion | {"time": {"end": 0.05, "step": 2e-3}})
+        again = solve(f"clamped_{name}_again", motion, options=("--restart", half.folder / "checkpoint.h5"))
+        report.below(abs(again.history["corner_z"][-1] / swung.history["corner_z"][-1] - 1), 1e-10, f"{name}: gone on with, difference")
+        ends[name] = [held.history["corner_z"][-1], swung.history["corner_x"][-1], swung.history["corner_z"][-1],
+                      *np.loadtxt(modes.folder / "modes.csv", delimiter=",", skiprows=1)[:, 1]]
+        if name == "surface":
+            remeshed = solve("clamped_remeshed", case | load | {"analysis": "static", "remesh": {"largest": 0.3}})
+            report.check("group 'held': with this [remesh]" in remeshed.text and "group 'held'" not in held.text, "with [remesh] it is said that the slope is not held")
+    report.below(max(abs(a / b - 1) for a, b in zip(*ends.values())), 1e-7, f"of the whole sheet and of the free part alone: {ends['surface'][0]:.5f} m, turned {ends['surface'][1]:.4f} m, {ends['surface'][3]:.4f} Hz: difference")
