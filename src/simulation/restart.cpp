@@ -19,27 +19,29 @@ namespace voile::simulation {
 
 namespace {
 
+/// Of results that lack something which a checkpoint has.
+std::string what_helps(const record::RunOptions& options) {
+  std::error_code ignored;
+  return std::filesystem::exists(options.restart.parent_path() / "checkpoint.h5", ignored)
+             ? "restart from the checkpoint.h5 beside them"
+             : "their run has left no checkpoint.h5 (time.checkpoint_minutes), so begin anew";
+}
+
 /// What --restart names. Rank 0 only.
 results::Checkpoint read_any(const input::Case& wanted, const record::RunOptions& options,
                              const mesh::SurfaceMesh& mesh) {
   if (!results::is_results(options.restart)) return results::read_checkpoint(options.restart, mesh);
   if (std::any_of(wanted.materials.begin(), wanted.materials.end(),
                   [](const energy::Material& m) { return !m.friction.sliders.empty() || m.yarns.rubs(); }))
-    throw UserError(
-        fmt::format("--restart {}: results do not hold the slips of friction inside the fabric; restart from the "
-                    "checkpoint.h5 beside them",
-                    options.restart.string()));
+    throw UserError(fmt::format("--restart {}: results do not hold the slips of friction inside the fabric; {}",
+                                options.restart.string(), what_helps(options)));
   if (std::any_of(wanted.loads.begin(), wanted.loads.end(), [](const auto& load) { return load.leak_area > 0.0; }))
-    throw UserError(fmt::format(
-        "--restart {}: results do not hold what is left of a gas that leaks; restart from the checkpoint.h5 "
-        "beside them",
-        options.restart.string()));
+    throw UserError(fmt::format("--restart {}: results do not hold what is left of a gas that leaks; {}",
+                                options.restart.string(), what_helps(options)));
   if (!wanted.attachments.empty())
     throw UserError(
-        fmt::format("--restart {}: results do not hold where the places of an [[attachment]] are on their obstacle; "
-                    "restart from the "
-                    "checkpoint.h5 beside them",
-                    options.restart.string()));
+        fmt::format("--restart {}: results do not hold where the places of an [[attachment]] are on their obstacle; {}",
+                    options.restart.string(), what_helps(options)));
   results::StoredStep stored = results::read_step(options.restart, options.restart_step, mesh);
   const bool shape_only = stored.in_motion && stored.velocity.empty();
   // A motion would begin anew at time 0, and what moves jump back to where it was then.
@@ -113,6 +115,11 @@ void say_differences(const input::Case& c, const record::RunOptions& options, co
       fmt::print("note: --restart {}: its run had another {}\n", options.restart.string(), d.text);
   }
   if (options.verbosity == record::Verbosity::quiet) return;
+  if (c.analysis == input::Analysis::drape && !s.in_equilibrium)
+    fmt::print(
+        "note: --restart {}: a drape searches anew from the shape it has come to; of several equilibria it may find "
+        "another than the unbroken run\n",
+        options.restart.string());
   if (c.analysis == input::Analysis::dynamic && results::is_results(options.restart) && !s.velocity.empty())
     fmt::print(
         "note: --restart {}: results have no accelerations, so that the motion goes on a little differently; "

@@ -164,6 +164,13 @@ def said_differences(report):
     woven = solve("said_woven", cloth)
     done = solve("said_turned", variant(cloth, {"material.0.warp_angle": 45, "time.end": 0.25}), options=["--restart", woven.folder / "checkpoint.h5"])
     report.check("[material]: fabric or warp_angle, with" in done.text, "another warp_angle")
+    hangs = strip("drape", nx=4, ny=1, time=None, load=[{"type": "gravity", "vector": [0, 0, -9.81]}], contact={}, drape={"max_iterations": 5})
+    for name, limit, words in (("searching", 5, True), ("hung", 1000, False)):
+        hangs["drape"]["max_iterations"] = limit
+        part = run(write_case(hangs, OUT / f"said_{name}.toml"), fresh(f"said_{name}"))
+        hangs["drape"]["max_iterations"] = 1000
+        done = solve(f"said_{name}_on", hangs, options=["--restart", part.folder / "checkpoint.h5"])
+        report.check(part.code == (3 if words else 0) and ("a drape searches anew" in done.text) == words, f"a drape, {name}: code {part.code}, {'said' if words else 'not said'}")
     for name, options, change, words in (("same", ["checkpoint.h5"], {}, ""), ("material", ["checkpoint.h5"], {"material.0.young": 2e6}, "[material]: young 1200000.0, here 2000000.0"),
                                          ("results", ["results.vtkhdf"], {}, "have no accelerations")):
         done = solve("said_again", variant(case, change | {"time.end": 0.25}), options=["--restart", first.folder / options[0]])
