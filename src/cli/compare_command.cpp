@@ -41,13 +41,20 @@ void declare(CLI::App& cli, CompareOptions& o) {
   c->add_flag("--overwrite", o.overwrite, "Replace that file");
 }
 
+/// Of the values, from the name of their column.
+std::string unit_of(const ModeSet& set) {
+  const std::string in_other = "frequency_per_";
+  if (set.quantity.starts_with(in_other)) return "[1/" + set.quantity.substr(in_other.size()) + "]";
+  return set.quantity == "frequency_hz" ? "[Hz]" : "";
+}
+
 void print(const ModeSet& first, const ModeSet& second, const ModeComparison& c) {
   fmt::print("{}\n", c.by_mass ? "modes weighted by the mass"
                      : c.same_mesh
                          ? "modes without masses"
                          : "meshes differ: modes of the finer one at the vertices of the other, without masses");
-  fmt::print("{:>6} {:>14} {:>8} {:>14} {:>10} {:>8} {:>8}\n", "first", first.quantity == "frequency_hz" ? "[Hz]" : "",
-             "second", second.quantity == "frequency_hz" ? "[Hz]" : "", "differ [%]", "MAC", "span");
+  fmt::print("{:>6} {:>14} {:>8} {:>14} {:>10} {:>8} {:>8}\n", "first", unit_of(first), "second", unit_of(second),
+             "differ [%]", "MAC", "span");
   for (std::size_t i = 0; i < c.partners.size(); ++i) {
     const Partner& p = c.partners[i];
     const double one = first.values[i], other = second.values[p.best];

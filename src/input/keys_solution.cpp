@@ -258,12 +258,13 @@ std::vector<Key> keys_of(Probe& s) {
                                    {"height", Probe::Kind::height},
                                    {"ease", Probe::Kind::ease},
                                    {"stress", Probe::Kind::stress}}),
-           .meaning = "`displacement`: mean over the length or area of a group, or of the vertex nearest to a point. "
-                      "`reaction`: total over a "
-                      "group. `energy`: of the shell. `height`: least, mean and largest of the vertices of a group, "
-                      "columns `NAME_min`, `_mean`, `_max`. `ease`: least distance to the bodies and its mean over the "
-                      "area, `NAME_min`, `_mean`. `stress`: of a triangle in material axes, `NAME_11`, `_22`, `_12`, "
-                      "`_von_mises`.",
+           .meaning =
+               "`displacement`: mean over the length or area of a group, or of the vertex nearest to a point. "
+               "`reaction`: total over a "
+               "group. `energy`: of the shell. `height`: least, mean over the length or area, and largest of a group, "
+               "columns `NAME_min`, `_mean`, `_max`. `ease`: least distance to the bodies and its mean over the "
+               "area, `NAME_min`, `_mean`. `stress`: of a triangle in material axes, `NAME_11`, `_22`, `_12`, "
+               "`_von_mises`.",
            .unit = "m, N, J, Pa",
            .required = true},
           {.name = "group",

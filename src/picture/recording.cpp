@@ -125,7 +125,9 @@ void Recording::add_modes(const fs::path& folder, const std::string& stage, cons
   const auto rows = read_csv(folder / "modes.csv");
   for (std::size_t i = 1; i < rows.size(); ++i)
     if (rows[i].size() > 1) part.mode_values.push_back(std::strtod(rows[i][1].c_str(), nullptr));
-  part.mode_quantity = !rows.empty() && rows[0].size() > 1 && rows[0][1] == "frequency_hz" ? "Hz" : "load factor";
+  const std::string column = !rows.empty() && rows[0].size() > 1 ? rows[0][1] : "", in_other = "frequency_per_";
+  if (column == "frequency_hz") part.frequency_unit = "Hz";
+  if (column.starts_with(in_other)) part.frequency_unit = "1/" + column.substr(in_other.size());
   part.about = last_positions(folder);
   if (part.about.empty() && !stage.empty()) {
     // A stage of modes begins, and swings, where the one before it has ended.
@@ -233,9 +235,9 @@ std::string Recording::caption(const Moment& moment) const {
   if (part.modes) {
     const auto i = static_cast<std::size_t>(std::max(step.number - 1, 0));
     if (i >= part.mode_values.size()) return fmt::format("{}mode {}", stage, step.number);
-    return part.mode_quantity == "Hz"
-               ? fmt::format("{}mode {}: {:.4g} Hz", stage, step.number, part.mode_values[i])
-               : fmt::format("{}mode {}: load factor {:.4g}", stage, step.number, part.mode_values[i]);
+    return part.frequency_unit.empty()
+               ? fmt::format("{}mode {}: load factor {:.4g}", stage, step.number, part.mode_values[i])
+               : fmt::format("{}mode {}: {:.4g} {}", stage, step.number, part.mode_values[i], part.frequency_unit);
   }
   if (part.run.has_field(*moment.step, "displacement_phase")) return fmt::format("{}{:.4g} Hz", stage, step.time);
   if (part.run.has_field(*moment.step, "displacement_rms")) return stage + "root mean square";

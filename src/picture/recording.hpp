@@ -46,8 +46,8 @@ class Recording {
     bool in_time = false;  ///< a motion, else a load path or a drape
     bool modes = false;
     std::vector<double> mode_values{};  ///< frequencies [Hz] or critical load factors
-    std::string mode_quantity{};
-    std::vector<Vec3> about{};  ///< what modes swing about; empty: the mesh at the start
+    std::string frequency_unit{};       ///< empty: they are load factors
+    std::vector<Vec3> about{};          ///< what modes swing about; empty: the mesh at the start
   };
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   /// Against gravity, if the case has any; else z.

@@ -140,9 +140,9 @@ void report_mesh(const input::Case& c, const RunOptions& options, const system::
 std::string units_text(const input::Case& c) {
   const input::UnitSystem units(c.units);
   if (units.is_si()) return "";
-  return fmt::format("units: {}, {}, {}; m, N, J and Pa in this text stand for {}, {}, {} and {}\n", c.units.length,
-                     c.units.mass, c.units.time, units.label("m"), units.label("N"), units.label("J"),
-                     units.label("Pa"));
+  return fmt::format("units: {}, {}, {}; m, N, J, Pa, s and Hz in this text stand for {}, {}, {}, {}, {} and {}\n",
+                     c.units.length, c.units.mass, c.units.time, units.label("m"), units.label("N"), units.label("J"),
+                     units.label("Pa"), units.label("s"), units.label("Hz"));
 }
 
 double cpu_seconds(MPI_Comm comm) {

@@ -40,11 +40,11 @@ double largest_von_mises(const Eigen::Vector3cd& s) {
   return std::sqrt(0.5 * (parts.squaredNorm() + std::abs(square)));
 }
 
-ResponseTable::ResponseTable(const std::filesystem::path& folder, std::vector<Probes::Component> components, Vec3 base,
-                             bool random)
+ResponseTable::ResponseTable(const std::filesystem::path& folder, const std::string& frequency,
+                             std::vector<Probes::Component> components, Vec3 base, bool random)
     : components_(std::move(components)), base_(std::move(base)), random_(random) {
   add_entries();
-  std::vector<std::string> columns{"frequency_hz"};
+  std::vector<std::string> columns{frequency};
   for (const Entry& e : entries_) add_columns(e, columns);
   if (!folder.empty()) table_.emplace(folder / "response.csv", columns);
 }

@@ -30,9 +30,10 @@ namespace voile::record {
 /// On one rank.
 class ResponseTable {
  public:
-  /// `base`: acceleration of the base, to which displacements are relative [m/s^2]. `folder` may be empty. With `random`
+  /// `frequency`: its column. `base`: acceleration of the base, to which displacements are relative [m/s^2]. `folder` may be empty. With `random`
   /// there is a power spectral density of the acceleration of each component. Throws UserError.
-  ResponseTable(const std::filesystem::path& folder, std::vector<Probes::Component> components, Vec3 base, bool random);
+  ResponseTable(const std::filesystem::path& folder, const std::string& frequency,
+                std::vector<Probes::Component> components, Vec3 base, bool random);
 
   /// Amplitudes at this frequency [Hz] of what the components observe; accelerations are -omega^2 u + base. `density`: of
   /// the excitation, relative to that of unit size.

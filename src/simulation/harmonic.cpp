@@ -110,7 +110,8 @@ class Run {
         observer_(c, place_, forces_),
         fields_(place_, forces_) {
     mpi::on_root(model.dofs().comm(), [&] {
-      table_.emplace(options.output, observer_.probes().vibrating(), excitation_.base, is_random());
+      table_.emplace(options.output, input::frequency_column(c.units), observer_.probes().vibrating(), excitation_.base,
+                     is_random());
     });
   }
 

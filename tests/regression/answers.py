@@ -50,7 +50,7 @@ def units_declared(report):
     for ending, words in (("obj", b"# lengths in mm"), ("stl", b"lengths in mm"), ("ply", b"comment lengths in mm")):
         code, said = invoke(["export", b.folder, "--output", OUT / f"units.{ending}"])
         report.check(code == 0 and words in (OUT / f"units.{ending}").read_bytes()[:200], f"an exported {ending} names the unit {said[:80]}")
-    report.check("N, J and Pa in this text stand for mm, N, mJ and MPa" in invoke(["check", OUT / "units_mm.toml"])[1], "and check")
+    report.check("N, J, Pa, s and Hz in this text stand for mm, N, mJ, MPa, s and" in invoke(["check", OUT / "units_mm.toml"])[1], "and check")
     report.check((b.results.mesh().unit, a.results.mesh().unit) == ("mm", "m"), "positions have them, too")
     modes = [solve(f"units_modes_{k}", c | {"analysis": "modal", "load": []}, 1).folder for k, c in enumerate((metres, millimetres))]
     code, said = invoke(["compare", *modes])
@@ -61,6 +61,8 @@ def units_declared(report):
     small["mesh"]["scale"] = 1000
     a, b = (solve(f"units_fabric_{k}", dict(c, analysis="modal"), 1).summary["eigenvalues"][0] for k, c in enumerate((fabric, small)))
     report.below(abs(1e3 * b / a - 1.0), 1e-6, "the first frequency of a fabric, in 1/ms and in Hz (to the solver's tolerance)")
+    columns = [(OUT / f"units_fabric_{k}" / "modes.csv").read_text().split(",")[1] for k in range(2)]
+    report.check(columns == ["frequency_hz", "frequency_per_ms"], f"its column: {columns}")
     forgotten = plate(40, 1.0) | {"analysis": "linear", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": 40, "side": 200}}}
     forgotten["material"][0]["thickness"] = "2 mm"
     large = solve("units_forgotten", forgotten, 1)
