@@ -33,6 +33,12 @@ std::string content(const fs::path& file) {
   return text.str();
 }
 
+int count_of(const std::string& what, const std::string& text) {
+  int count = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
 }  // namespace
 
 void begin_from_deck(const fs::path& folder, const fs::path& deck) {
@@ -57,7 +63,8 @@ void begin_from_deck(const fs::path& folder, const fs::path& deck) {
   write_new(folder / "case.toml", made.text);
   const std::string at = folder.lexically_normal().string();
   fmt::print("{} contains a new case from {}: {} material(s), {} support(s), {} load(s).\n", at,
-             deck.filename().string(), made.materials, made.supports, made.loads);
+             deck.filename().string(), made.materials, count_of("[[support]]", made.text),
+             count_of("[[load]]", made.text));
   for (const std::string& left : made.left) fmt::print("left out: {}\n", left);
   if (!made.has_material) {
     fmt::print("Next: complete {}/case.toml; it has no [[material]] yet.\n", at);

@@ -389,8 +389,6 @@ DeckCase deck_case(const Deck& deck, const mesh::MeshData& mesh) {
   made.left = writer.left();
   made.has_material = writer.has_material();
   made.materials = writer.deck().sections.size();
-  made.supports = writer.deck().supports.size();
-  made.loads = writer.deck().loads.size();
   return made;
 }
 

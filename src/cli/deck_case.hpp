@@ -15,7 +15,7 @@ struct DeckCase {
   std::string sets;               ///< of single nodes and elements that the case names, to be added to the mesh
   std::vector<std::string> left;  ///< what was left out
   bool has_material = false;
-  std::size_t materials = 0, supports = 0, loads = 0;
+  std::size_t materials = 0;
 };
 
 /// `mesh`: of the deck. Not collective.

@@ -176,6 +176,10 @@ bool AbaqusDeckReader::begin_step(const std::string& keyword) {
   } else if (keyword == "*STATIC" || keyword == "*FREQUENCY" || keyword == "*BUCKLE" || keyword == "*DYNAMIC") {
     data_ = Data::procedure;
     if (ramp_ && keyword == "*DYNAMIC") leave("*STEP, AMPLITUDE=RAMP: loads act in full from the start");
+    if (keyword == "*DYNAMIC" && parameters_.contains("EXPLICIT"))
+      leave("*DYNAMIC, EXPLICIT: steps are implicit; time.method = \"central_difference\" has explicit ones");
+    if (keyword == "*DYNAMIC" && parameters_.contains("ALPHA"))
+      leave("*DYNAMIC, ALPHA: time.spectral_radius sets what damps high frequencies");
     deck_.procedure = keyword == "*FREQUENCY"        ? Procedure::frequency
                       : keyword == "*BUCKLE"         ? Procedure::buckle
                       : keyword == "*DYNAMIC"        ? Procedure::dynamic

@@ -50,6 +50,8 @@ std::vector<std::string> idle_sections(const CaseReader& reader, const Case& c) 
   for (const auto& [section, analyses] : readers())
     if (reader.count(section) > 0 && !contains(analyses, c.analysis) && says_something(reader, section))
       notes.push_back(fmt::format("[{}] has no effect with analysis = \"{}\"", section, word_of(c.analysis)));
+  if (c.analysis == Analysis::linear && c.steps.control != solve::StaticOptions::Control::load)
+    notes.emplace_back("[steps] control has no effect with analysis = \"linear\"");
   if (reader.count("sewing") > 0 && c.panels.empty() && says_something(reader, "sewing"))
     notes.emplace_back("[sewing] has no effect without [[panel]]");
   return notes;
