@@ -12,10 +12,11 @@ namespace voile::setup {
 namespace {
 
 /// Why a sheet cannot end within the mesh; empty: it can.
-std::string whole_because(const input::Case& c) {
+std::string whole_because(const input::Case& c, const mesh::SurfaceMesh& whole) {
   const auto remeshes = [](const input::Case& one) { return one.remesh.active; };
-  if (remeshes(c) || std::any_of(c.stages.begin(), c.stages.end(), remeshes)) return "[remesh]";
-  if (c.element.bending == energy::BendingOperator::six_node) return "[element] type";
+  if (remeshes(c) || std::any_of(c.stages.begin(), c.stages.end(), remeshes)) return "[remesh] keeps it whole";
+  if (whole.has_charts()) return "panels keep it whole";
+  if (c.element.bending == energy::BendingOperator::six_node) return "this [element] type keeps it whole";
   return "";
 }
 
@@ -43,7 +44,7 @@ mesh::SurfaceMesh parted(const input::Case& c, mesh::SurfaceMesh whole) {
       data.hinges.push_back(edge);
     }
   }
-  const std::string why = whole_because(c);
+  const std::string why = whole_because(c, whole);
   for (const std::string& name : clamped_groups(c)) {
     if (!whole.has_group(name) || whole.group(name).dimension != 2) continue;
     const std::vector<mesh::Segment> border = mesh::inner_border(whole, whole.group(name));
@@ -51,9 +52,9 @@ mesh::SurfaceMesh parted(const input::Case& c, mesh::SurfaceMesh whole) {
       data.hinges.insert(data.hinges.end(), border.begin(), border.end());
     else if (!border.empty())
       data.notes.push_back(
-          fmt::format("[[support]] group '{}': with this {} the sheet goes on beyond the border of what it clamps, and "
-                      "bends within a "
-                      "fraction of a cell there; leave the held piece out and clamp its edge",
+          fmt::format("[[support]] group '{}': the sheet goes on within what is clamped ({}), and bends there within a "
+                      "fraction of a "
+                      "cell; leave the held piece out and clamp its edge",
                       name, why));
   }
   if (data.hinges.empty() && data.notes.size() == whole.data().notes.size()) return whole;
