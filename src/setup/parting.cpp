@@ -15,6 +15,7 @@ namespace {
 std::string whole_because(const input::Case& c, const mesh::SurfaceMesh& whole) {
   const auto remeshes = [](const input::Case& one) { return one.remesh.active; };
   if (remeshes(c) || std::any_of(c.stages.begin(), c.stages.end(), remeshes)) return "[remesh] keeps it whole";
+  if (!c.periodics.empty()) return "[[periodic]] keeps it whole";
   if (whole.has_charts()) return "panels keep it whole";
   if (c.element.bending == energy::BendingOperator::six_node) return "this [element] type keeps it whole";
   return "";

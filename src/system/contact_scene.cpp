@@ -64,6 +64,14 @@ void set_general_rules(const ContactInput& input, std::size_t sheets, contact::S
                           : contact::Rule{i < sheets || j < sheets, input.obstacles[std::max(i, j) - sheets].friction};
 }
 
+/// Whether sheets meet at joints. Where one is parted it lies as it would whole.
+bool branches(const mesh::SurfaceMesh& mesh) {
+  const std::vector<mesh::Segment>& parted = mesh.data().hinges;
+  return std::any_of(mesh.joints().begin(), mesh.joints().end(), [&](const mesh::Joint& j) {
+    return j.sides.size() > 2 || !std::binary_search(parted.begin(), parted.end(), j.edge);
+  });
+}
+
 }  // namespace
 
 ContactScene::ContactScene(const Dofs& dofs, ContactInput input) : dofs_(&dofs), input_(std::move(input)) {
@@ -75,7 +83,7 @@ ContactScene::ContactScene(const Dofs& dofs, ContactInput input) : dofs_(&dofs),
   set_general_rules(input_, sheets, surface);
   surface.joined = mesh::joined_vertices(mesh.data());
   // Layers that a seam has joined lay apart before, so nothing but what meets in the seam is nearer than contact reaches.
-  if (lacks_room() || (input_.self && !mesh.joints().empty() && !mesh.has_charts()))
+  if (lacks_room() || (input_.self && branches(mesh) && !mesh.has_charts()))
     surface.neighbours = contact::find_neighbours(surface, input_.options.distance);
   std::vector<char> owned(static_cast<std::size_t>(mesh.vertex_count()));
   for (Index i = 0; i < dofs.local().owned; ++i) owned[dofs.local().point_of[i]] = 1;
