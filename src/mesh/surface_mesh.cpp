@@ -164,7 +164,8 @@ void SurfaceMesh::build_adjacency() {
     const auto is_among = [&](const std::vector<Segment>& edges_of) {
       return std::binary_search(edges_of.begin(), edges_of.end(), edge);
     };
-    if (last - first > 2 || (last - first == 2 && (is_among(twisted_) || is_among(data_.hinges)))) {
+    if (last - first > 2 ||
+        (last - first == 2 && (is_among(twisted_) || is_among(data_.hinges) || is_among(data_.borders)))) {
       joints_.push_back({edge, {}});
       for (std::size_t k = first; k < last; ++k) joints_.back().sides.push_back({edges[k].triangle, edges[k].side});
     } else if (last - first == 2) {

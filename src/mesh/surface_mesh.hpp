@@ -86,8 +86,9 @@ struct MeshData {
   std::vector<std::array<Vec2, 3>> texture;
   /// Rest position of each corner [m]: charts. Empty: the positions are the rest shape too.
   std::vector<std::array<Vec3, 3>> rest;
-  std::vector<Seam> seams;      ///< that are open
-  std::vector<Segment> hinges;  ///< edges of two triangles that are joints, each ascending, in order
+  std::vector<Seam> seams;       ///< that are open
+  std::vector<Segment> hinges;   ///< edges of two triangles that are joints, each ascending, in order
+  std::vector<Segment> borders;  ///< likewise, round what is clamped
   /// Of charts: sides of triangles on seams of three layers that lie on the second side of the edge at rest; all other sides there
   /// lie on the first.
   std::vector<TriangleSide> folded;

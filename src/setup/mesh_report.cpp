@@ -252,19 +252,20 @@ namespace {
 /// What the joints of sheets are; empty if there are none.
 std::string joint_note(const mesh::SurfaceMesh& mesh) {
   if (mesh.joints().empty()) return "";
+  const auto is_among = [](const std::vector<mesh::Segment>& edges, const mesh::Joint& j) {
+    return std::binary_search(edges.begin(), edges.end(), j.edge);
+  };
   std::map<Index, int> sides;
-  for (const mesh::Joint& j : mesh.joints())
+  std::ptrdiff_t hinges = 0, others = 0;
+  for (const mesh::Joint& j : mesh.joints()) {
+    const bool is_hinge = is_among(mesh.data().hinges, j);
+    if (!is_hinge && j.sides.size() == 2 && is_among(mesh.data().borders, j)) continue;
+    ++(is_hinge ? hinges : others);
     for (const mesh::TriangleSide& s : j.sides) ++sides[s.triangle];
+  }
   const auto between = std::count_if(sides.begin(), sides.end(), [](const auto& entry) { return entry.second > 1; });
-  const std::vector<mesh::Segment>& lines = mesh.data().hinges;
-  const auto hinges = std::count_if(mesh.joints().begin(), mesh.joints().end(), [&](const mesh::Joint& j) {
-    return std::binary_search(lines.begin(), lines.end(), j.edge);
-  });
-  const auto others = static_cast<std::ptrdiff_t>(mesh.joints().size()) - hinges;
   const auto edges = [](auto n) { return fmt::format("{} {}", n, n == 1 ? "edge" : "edges"); };
-  std::string text =
-      hinges > 0 ? fmt::format("the sheet is parted at {}, by [[hinge]] or round what `clamped` holds", edges(hinges))
-                 : "";
+  std::string text = hinges > 0 ? fmt::format("[[hinge]] parts the sheet at {}", edges(hinges)) : "";
   if (others > 0)
     text += fmt::format("{}sheets are joined at {} of three or more triangles, or of two that cannot be oriented alike",
                         text.empty() ? "" : "; ", edges(others));

@@ -50,7 +50,7 @@ mesh::SurfaceMesh parted(const input::Case& c, mesh::SurfaceMesh whole) {
     if (!whole.has_group(name) || whole.group(name).dimension != 2) continue;
     const std::vector<mesh::Segment> border = mesh::inner_border(whole, whole.group(name));
     if (why.empty())
-      data.hinges.insert(data.hinges.end(), border.begin(), border.end());
+      data.borders.insert(data.borders.end(), border.begin(), border.end());
     else if (!border.empty())
       data.notes.push_back(
           fmt::format("[[support]] group '{}': the sheet goes on within what is clamped ({}), and bends there within a "
@@ -58,9 +58,8 @@ mesh::SurfaceMesh parted(const input::Case& c, mesh::SurfaceMesh whole) {
                       "cell; leave the held piece out and clamp its edge",
                       name, why));
   }
-  if (data.hinges.empty() && data.notes.size() == whole.data().notes.size()) return whole;
-  std::sort(data.hinges.begin(), data.hinges.end());
-  data.hinges.erase(std::unique(data.hinges.begin(), data.hinges.end()), data.hinges.end());
+  if (data.hinges.empty() && data.borders.empty() && data.notes.size() == whole.data().notes.size()) return whole;
+  for (std::vector<mesh::Segment>* edges : {&data.hinges, &data.borders}) std::sort(edges->begin(), edges->end());
   return mesh::SurfaceMesh(std::move(data));
 }
 

@@ -66,9 +66,11 @@ void set_general_rules(const ContactInput& input, std::size_t sheets, contact::S
 
 /// Whether sheets meet at joints. Where one is parted it lies as it would whole.
 bool branches(const mesh::SurfaceMesh& mesh) {
-  const std::vector<mesh::Segment>& parted = mesh.data().hinges;
+  const auto is_among = [](const std::vector<mesh::Segment>& edges, const mesh::Segment& edge) {
+    return std::binary_search(edges.begin(), edges.end(), edge);
+  };
   return std::any_of(mesh.joints().begin(), mesh.joints().end(), [&](const mesh::Joint& j) {
-    return j.sides.size() > 2 || !std::binary_search(parted.begin(), parted.end(), j.edge);
+    return j.sides.size() > 2 || !(is_among(mesh.data().hinges, j.edge) || is_among(mesh.data().borders, j.edge));
   });
 }
 
