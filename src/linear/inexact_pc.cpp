@@ -10,6 +10,7 @@
 #include "block_icc_pc.hpp"
 #include "mixed_pc.hpp"
 #include "symmetric_blocks.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::linear {
 
@@ -111,6 +112,12 @@ PetscErrorCode create_iteration(PC pc) {
   set_block_icc_shift(inner, usual_shift);
   if (vertices >= coarse_vertices) set_block_icc_aggregates(inner, usual_aggregates);
   PetscCall(KSPSetFromOptions(m.iteration));
+  KSPNormType norm = KSP_NORM_DEFAULT;
+  PetscCall(KSPGetNormType(m.iteration, &norm));
+  PetscCall(petsc::guarded([&] {
+    if (norm == KSP_NORM_NONE)
+      throw UserError("-inexact_ksp_norm_type none: such an iteration does not know when to end");
+  }));
   PetscCall(KSPGetTolerances(m.iteration, nullptr, nullptr, nullptr, &given));
   m.longest = given;
   PetscFunctionReturn(0);

@@ -90,6 +90,7 @@ void LinearSolver::prepare() {
   VOILE_PETSC(PCFactorGetMatSolverType(pc, &type));
   VOILE_PETSC(PetscStrcmp(type, MATSOLVERMUMPS, &is_mumps));
   mumps_ = is_mumps;
+  cholesky_ = cholesky;
   pattern_version_ = model_.tangent().pattern_version();
   if (!mumps_) return;
   VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent().matrix(), model_.tangent().matrix()));
@@ -137,16 +138,17 @@ long LinearSolver::sparse_pivots() const {
     VOILE_PETSC(KSPGetPC(ksp_, &pc));
     return mixed_negative_pivots(pc);
   }
-  if (!mumps_ || !model_.conditions().symmetric() || factorisations_ == 0) return -1;
+  if (!mumps_ || !cholesky_ || factorisations_ == 0) return -1;  // an LU has no signs that tell
   PetscInt count = 0;
   VOILE_PETSC(MatMumpsGetInfog(factor(), mumps_negative_pivots, &count));
   return count;
 }
 
 long LinearSolver::negative_eigenvalues() {
-  if (model_.conditions().symmetric()) return negative_pivots();
-  if (!change().empty()) return -1;
+  const bool symmetric = model_.conditions().symmetric();
+  if (const long known = symmetric ? negative_pivots() : -1; known >= 0 || !change().empty()) return known;
   const Inertia inertia = inertia_of(model_.tangent().matrix());
+  if (symmetric) return inertia.negative;
   return inertia.conservative || inertia.negative == 0 ? inertia.negative : -1;
 }
 
@@ -243,16 +245,25 @@ void LinearSolver::complete_solution(Vec rhs, Vec x) {
   check_solution(rhs, x);
 }
 
-void LinearSolver::check_solution(Vec rhs, Vec x) {
-  solved_ = true;
-  if (trusted_) return;
+double LinearSolver::part_left(Vec rhs, Vec x) const {
   const petsc::VecHandle rest = model_.dofs().create_vector();
   double size = 0.0, left = 0.0;
   model_.tangent().multiply(x, rest);
   VOILE_PETSC(VecAXPY(rest, -1.0, rhs));
   VOILE_PETSC(VecNorm(rhs, NORM_2, &size));
   VOILE_PETSC(VecNorm(rest, NORM_2, &left));
-  solved_ = left <= left_unsolved * size;
+  return size > 0.0 ? left / size : left;
+}
+
+void LinearSolver::check_solution(Vec rhs, Vec x) {
+  solved_ = trusted_ || part_left(rhs, x) <= left_unsolved;
+}
+
+bool LinearSolver::solve_to(double most_left, Vec rhs, Vec x) {
+  if (!solve(rhs, x)) return false;
+  const bool good = part_left(rhs, x) <= most_left;
+  if (!good) failure_ = "its residual is too large";
+  return good;
 }
 
 bool LinearSolver::factorise() {

@@ -22,6 +22,9 @@ void check_mumps_room(int error, int size);
 
 class LowRankSolution;
 
+/// Part of a right-hand side that a solution may leave which no iteration mends: far above round-off in the thinnest sheets.
+inline constexpr double well_solved = 1e-3;
+
 class LinearSolver {
  public:
   /// The model must outlive the solver. Call `set_defaults`, the KSP's options, then `prepare`.
@@ -38,6 +41,8 @@ class LinearSolver {
   /// Solves with the model's last tangent; factors it first if it is new. False if that failed, see `failure`.
   /// Collective.
   [[nodiscard]] bool solve(Vec rhs, Vec x);
+  /// The same, and false where more than that part of the right-hand side is left, whatever the options say. Collective.
+  [[nodiscard]] bool solve_to(double most_left, Vec rhs, Vec x);
   /// Factors the model's last tangent now, so that its negative pivots are known before a solution. Collective.
   [[nodiscard]] bool factorise();
   /// After a failed solve: makes the factor usable again. True if trying again with more workspace may help.
@@ -61,7 +66,7 @@ class LinearSolver {
   [[nodiscard]] PC inexact() const;
   /// Of the last factorisation; -1 if the solver does not tell. Collective.
   [[nodiscard]] long negative_pivots() const;
-  /// Negative eigenvalues of the model's last tangent, which is factored: of its symmetric part where follower loads
+  /// Negative eigenvalues of the model's last tangent, by a factor of its own where the solver does not tell: of its symmetric part where follower loads
   /// make it unsymmetric, and -1 where those have no potential and the count is not 0. Collective.
   [[nodiscard]] long negative_eigenvalues();
   /// What failed last, for the log; emptied by the call.
@@ -71,13 +76,15 @@ class LinearSolver {
   [[nodiscard]] Mat factor() const;
   void renew_factor(PetscInt workspace_percent);
   void check_solution(Vec rhs, Vec x);
+  [[nodiscard]] double part_left(Vec rhs, Vec x) const;
   /// Negative pivots of what is factored, without what gases add.
   [[nodiscard]] long sparse_pivots() const;
   [[nodiscard]] const system::LowRankChange& change() const { return model_.tangent().change(); }
 
   system::Model& model_;
   KSP ksp_ = nullptr;
-  bool mumps_ = false, mixed_ = false, inexact_ = false, statics_ = false, trusted_ = false, solved_ = true;
+  bool mumps_ = false, cholesky_ = false, mixed_ = false, inexact_ = false, statics_ = false, trusted_ = false,
+       solved_ = true;
   int factorisations_ = 0, pattern_version_ = 0;
   bool completed_ = false;  ///< the last solution, by who was called after it
   std::unique_ptr<LowRankSolution> low_rank_;

@@ -1,5 +1,6 @@
 #include "mixed_pc.hpp"
 
+#include <fmt/format.h>
 #include <petsc/private/pcimpl.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include "base/petsc.hpp"
 #include "linear_solver.hpp"
 #include "mumps_single.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::linear {
 
@@ -62,6 +64,9 @@ PetscErrorCode apply_single(PC shell, Vec b, Vec x) {
   PetscFunctionReturn(0);
 }
 
+/// What a residual may be relative to the right-hand side, and at all.
+constexpr double largest_rtol = 1e-3, largest_atol = 1e-30;
+
 PetscErrorCode create_refinement(PC pc) {
   Mixed& m = data(pc);
   PC shell = nullptr;
@@ -77,7 +82,17 @@ PetscErrorCode create_refinement(PC pc) {
   PetscCall(PCShellSetContext(shell, &m));
   PetscCall(PCShellSetApply(shell, apply_single));
   PetscCall(KSPSetFromOptions(m.refinement));
-  PetscCall(KSPGetTolerances(m.refinement, nullptr, nullptr, nullptr, &m.most_iterations));
+  PetscReal rtol = 0.0, atol = 0.0;
+  KSPNormType norm = KSP_NORM_DEFAULT;
+  PetscCall(KSPGetTolerances(m.refinement, &rtol, &atol, nullptr, &m.most_iterations));
+  PetscCall(KSPGetNormType(m.refinement, &norm));
+  PetscCall(petsc::guarded([&] {
+    if (rtol > largest_rtol || atol > largest_atol || norm == KSP_NORM_NONE)
+      throw UserError(
+          fmt::format("-mixed_ksp_: voile_mixed proves its solutions by their residual; -mixed_ksp_rtol of {:g} at "
+                      "most, and neither -mixed_ksp_atol nor norm_type none",
+                      largest_rtol));
+  }));
   PetscFunctionReturn(0);
 }
 

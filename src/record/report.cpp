@@ -174,8 +174,8 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
           stderr,
           "voile: warning: the last state is an unstable equilibrium ({} negative eigenvalue(s)): a real sheet leaves "
           "it; find the stable one with analysis = \"drape\", or follow the path with [steps] control = \"arc_length\" "
-          "and at_critical_point = \"switch_branch\" (exit code {})\n",
-          s.negative_pivots, static_cast<int>(Exit::unstable));
+          "and at_critical_point = \"switch_branch\" (exit code {}{})\n",
+          s.negative_pivots, static_cast<int>(Exit::unstable), c.is_staged() ? ", if no later stage leaves it" : "");
     if (!s.converged && !folder.empty())  // who names no folder asks for the reason
       fmt::print(stderr, "voile: {}not converged: {}; everything up to {} is in {}\n",
                  c.is_staged() ? fmt::format("stage '{}': ", c.stage.name) : "", s.reason,

@@ -56,6 +56,7 @@ struct Summary {
   long negative_pivots = -1;         ///< of the last tangent: the last state is unstable if > 0; -1: not known
   std::optional<double> eigenvalue;  ///< of a drape: nearest to zero, of the tangent in the lumped mass [1/s^2]
   bool unstable = false;             ///< load control has ended in an unstable equilibrium
+  bool keeps_state = false;          ///< of modes or a response, which leave the equilibrium as it is
   double residual = 0.0;             ///< relative, of the last state
   double membrane_error = 0.0;  ///< energy that should not be there over that stored, see Warnings::membrane_error()
   DiscretisationError::Fractions recovery_error;   ///< of the last state

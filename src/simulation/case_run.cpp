@@ -165,7 +165,9 @@ Exit CaseRun::finish() {
     mpi::on_root(options_.comm, [&] { record::write_stages(options_.output, summaries_, stages_.size()); });
   const bool done = summaries_.size() == stages_.size() && summaries_.back().second.converged;
   if (!done) return Exit::not_converged;
-  return summaries_.back().second.unstable ? Exit::unstable : Exit::done;
+  const auto moves = [](const auto& stage) { return !stage.second.keeps_state || stage.second.unstable; };
+  const auto last = std::find_if(summaries_.rbegin(), summaries_.rend(), moves);
+  return last != summaries_.rend() && last->second.unstable ? Exit::unstable : Exit::done;
 }
 
 CaseRun::Saved CaseRun::save() const {

@@ -46,6 +46,7 @@ record::Summary summary_of(const solve::RunStatistics& all, const system::State&
   // Path following goes along unstable branches on purpose.
   s.unstable = c.analysis == input::Analysis::statics && c.steps.control == solve::StaticOptions::Control::load &&
                s.converged && s.negative_pivots > 0;
+  s.keeps_state = c.finds_modes();
   s.residual = all.newton.residual;
   s.unknowns = model.dofs().unknowns();
   s.vertices = model.dofs().mesh().vertex_count();

@@ -17,7 +17,7 @@
 #include "setup/free_motions.hpp"
 #include "setup/model_input.hpp"
 #include "solve/load_path.hpp"
-#include "solve/time_integration.hpp"
+#include "stage_options.hpp"
 #include "system/dynamics.hpp"
 #include "voile/errors.hpp"
 
@@ -41,18 +41,6 @@ void name_modes(const record::RunOptions& options, input::Case& c) {
     s.results = std::filesystem::absolute(folder / s.stage);
     s.stage.clear();
   }
-}
-
-/// What PETSc's options have to say wins over the case file.
-void take_options(MPI_Comm comm, input::Case& c) {
-  solve::read_path_options(comm, c.steps);
-  if (c.finds_modes()) {
-    c.steps.final_load_factor = c.eigen.load_factor;
-    std::erase_if(c.steps.stops, [&](double stop) { return stop > c.eigen.load_factor; });
-  }
-  const double end = c.time.options.end_time;
-  if (c.analysis == input::Analysis::dynamic) solve::read_time_options(c.time.options);
-  if (c.is_staged()) c.time.options.end_time = std::min(c.time.options.end_time, end);  // -ts_max_time is for all
 }
 
 /// The time continues from stage to stage.

@@ -112,6 +112,9 @@ struct GasSolution {
   }
 };
 
+/// Backward error beyond which a pair that SLEPc calls converged is none.
+constexpr double most_residual = 1e-6;
+
 /// Solves and collects the pairs in the order of SLEPc.
 std::vector<Mode> solve(EPS eps, const system::Model& model, int count) {
   VOILE_PETSC(EPSSetStoppingTestFunction(eps, stop_test, nullptr, nullptr));
@@ -125,6 +128,7 @@ std::vector<Mode> solve(EPS eps, const system::Model& model, int count) {
     PetscScalar imaginary = 0.0;
     VOILE_PETSC(EPSGetEigenpair(eps, i, &mode.eigenvalue, &imaginary, mode.shape, nullptr));
     VOILE_PETSC(EPSComputeError(eps, i, EPS_ERROR_BACKWARD, &mode.residual));
+    if (!(mode.residual <= most_residual)) continue;  // of a solver that the options have made too weak
     model.dofs().clear_fixed(mode.shape);
     normalise(model, mode.shape);
     modes.push_back(std::move(mode));
@@ -351,14 +355,18 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   linear.tangent_changed();
   model.load_direction(a, load);
   double size = 0.0;
-  if (linear.solve(load, load_solution)) VOILE_PETSC(VecNorm(load_solution, NORM_INFINITY, &size));
+  if (linear.solve_to(linear::well_solved, load, load_solution))
+    VOILE_PETSC(VecNorm(load_solution, NORM_INFINITY, &size));
+  else
+    throw UserError("analysis = \"buckling\": the response to the load could not be solved (" + linear.take_failure() +
+                    "); leave out -ksp_ and -pc_ options, and see that supports stop all rigid motions");
   const bool grows = size > 0.0 || model.potential().natural_growth() > 0.0;
   if (!grows || !std::isfinite(size))
     throw UserError(
         "analysis = \"buckling\" needs a load or a temperature that grows with the load factor, which constant ones "
         "and "
         "those of earlier stages do not, and supports that stop all rigid motions");
-  if (linear.negative_pivots() > 0)
+  if (linear.negative_eigenvalues() > 0)
     throw UserError("the equilibrium is unstable already; choose a lower [eigen] load_factor");
   const petsc::MatHandle change = load_stiffness(model, a, load_solution);
   VOILE_PETSC(MatScale(change, -1.0));

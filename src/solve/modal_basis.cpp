@@ -89,10 +89,11 @@ petsc::VecHandle remainder(const std::vector<petsc::VecHandle>& v, Basis& basis,
 /// Solves with the tangent assembled last. Throws UserError.
 void solve(linear::LinearSolver& linear, Vec rhs, Vec x) {
   VOILE_PETSC(VecZeroEntries(x));
-  for (int attempt = 0; !linear.solve(rhs, x); ++attempt)
+  for (int attempt = 0; !linear.solve_to(linear::well_solved, rhs, x); ++attempt)
     if (!linear.repair(attempt))
       throw UserError("analysis = \"harmonic\": the static correction could not be solved (" + linear.take_failure() +
-                      "); check that supports or springs stop every motion without stiffness");
+                      "); check that supports or springs stop every motion without stiffness, and leave out -ksp_ and "
+                      "-pc_ options");
 }
 
 }  // namespace

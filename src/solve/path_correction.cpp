@@ -16,7 +16,7 @@ PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
   model.assemble_tangent(a, {.kind = energy::Tangent::exact});
   linear.tangent_changed();
   model.load_direction(a, load);
-  t.good = linear.solve(load, load_solution);
+  t.good = linear.solve_to(linear::well_solved, load, load_solution);
   if (!t.good) return t;
   t.speed = std::sqrt(dot(load_solution, load_solution));
   t.good = std::isfinite(t.speed) && t.speed > 0.0;

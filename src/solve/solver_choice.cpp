@@ -21,10 +21,15 @@ constexpr std::array<std::string_view, 4> bounded_searches = {SNESLINESEARCHSHEL
                                                               SNESLINESEARCHBT, SNESLINESEARCHNLEQERR};
 
 /// Options that would take the judgement of convergence, the tangent or the residual out of our hands.
-constexpr std::array<const char*, 8> refused = {"-snes_convergence_test", "-snes_mf",
-                                                "-snes_mf_operator",      "-snes_fd",
-                                                "-snes_fd_color",         "-snes_force_iteration",
-                                                "-snes_skip_converged",   "-npc_snes_type"};
+constexpr std::array<const char*, 9> refused = {"-snes_convergence_test",
+                                                "-snes_mf",
+                                                "-snes_mf_operator",
+                                                "-snes_fd",
+                                                "-snes_fd_color",
+                                                "-snes_force_iteration",
+                                                "-snes_skip_converged",
+                                                "-npc_snes_type",
+                                                "-snes_ksp_ew"};
 
 template <class List>
 bool is_in(const List& list, const char* word) {

@@ -103,8 +103,6 @@ void TimeIntegration::Impl::create(const system::State& from) {
   PetscBool implicit = PETSC_FALSE;
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(static_cast<TS>(ts)), alpha_ts_type, &implicit));
   if (implicit) set_alpha_radius(ts, options.radius);
-  if (model.contact() && !implicit)
-    throw UserError("contact needs the implicit method, -ts_type voile_alpha: its barrier holds at the end of a step");
   create_snes();
   refuse_snes_options();
   VOILE_PETSC(TSSetFromOptions(ts));
@@ -124,6 +122,13 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
   };
   explicit_method = is(central_ts_type);
   if (!explicit_method && !is(alpha_ts_type)) throw UserError("-ts_type must be voile_alpha or voile_central");
+  if (explicit_method && model.contact())
+    throw UserError("contact needs the implicit method, -ts_type voile_alpha: its barrier holds at the end of a step");
+  const bool rigid = !model.discretisation().constraints().bodies.empty();
+  if (explicit_method && rigid) throw UserError("[[rigid]] groups need the implicit method, -ts_type voile_alpha");
+  constexpr double most_with_bodies = 0.9;
+  if (rigid && alpha_radius(ts) > most_with_bodies)
+    throw UserError("-ts_voile_radius: with [[rigid]] groups oscillations would grow; 0.9 at most");
   if (explicit_method) {
     if (dynamics.options().mass == system::Mass::consistent)
       throw UserError("the explicit method needs mass = \"lumped\"");
@@ -374,9 +379,12 @@ StepResult TimeIntegration::advance(system::State& state) {
     else
       n.accept(state, r);
     VOILE_PETSC(TSMonitor(n.ts, state.step, state.time, state.u));
-    if (reason == TS_CONVERGED_ITS && !n.is_end(state.time) && n.remark)
-      n.remark(fmt::format("warning: -ts_max_steps ends the motion at t = {:.6g} s, before t = {:.6g} s", state.time,
-                           n.until()));
+    if (reason == TS_CONVERGED_ITS && !n.is_end(state.time)) {
+      r.outcome = Outcome::failed;
+      r.worth_keeping = true;
+      r.reason =
+          fmt::format("-ts_max_steps ends the motion at t = {:.6g} s, before t = {:.6g} s", state.time, n.until());
+    }
     if (reason != TS_CONVERGED_ITERATING) n.view_at_end(state);
   } catch (const Interrupted& e) {
     if (!n.explicit_method) abandon_step(n.ts);

@@ -67,7 +67,7 @@ def garment_gathers_again(report):
     whole = solve("garment_gathers_whole", case, 1)
     folder = fresh("garment_gathers_short")
     short = run(OUT / "garment_gathers_whole.toml", folder, 1, ["-ts_max_steps", "14"])
-    report.check(short.code == 0 and len(part(short, "sew").history["time"]) < 20, "stopped amid")
+    report.check(short.code == 3 and len(part(short, "sew").history["time"]) < 20, "stopped amid")
     rest = run(OUT / "garment_gathers_whole.toml", fresh("garment_gathers_rest"), 2, ["--from", "sew", "--restart", folder / "sew" / "checkpoint.h5"])
     report.check(rest.code == 0, f"goes on: code {rest.code}: {rest.text.strip()[-200:] if rest.code else ''}")
     report.below(np.abs(part(rest, "sew").displacement() - part(whole, "sew").displacement()).max(), 1e-5, "on 2 ranks, to the same end [m]")

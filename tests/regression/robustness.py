@@ -1,6 +1,7 @@
 """What goes wrong: signals, folders, options, damage, memory."""
 
 import json
+import math
 import re
 import signal
 import subprocess
@@ -139,7 +140,7 @@ def failed_motion(report):
     report.check(fixed.code == 0 and fixed.summary["steps"] == 20, f"min_step = step is a fixed step: code {fixed.code}")
     short = run(write_case(strip("dynamic"), OUT / "max_steps.toml"), fresh("max_steps"), 1, ["-ts_max_steps", "7"])
     with h5py.File(OUT / "max_steps" / "checkpoint.h5") as data:
-        report.check(short.code == 0 and data.attrs["step"] == 7, f"-ts_max_steps 7 leaves step {int(data.attrs['step'])} as a checkpoint")
+        report.check(short.code == 3 and data.attrs["step"] == 7, f"-ts_max_steps 7 leaves step {int(data.attrs['step'])} as a checkpoint")
 
 
 @test
@@ -311,3 +312,40 @@ def damaged_restart(report):
     report.check(result.code == 2 and "not finite" in result.text, f"an infinite velocity: code {result.code}")
     result = run(longer, OUT / "damaged_run", 1, ["--restart", OUT / "nowhere.h5"])
     report.check(result.code == 2 and "there is no such file" in result.text, f"a checkpoint that is not there: code {result.code}")
+
+
+@test
+def weak_options(report):
+    """What options make of the solvers is judged by answers: a strut that has buckled is not called stable, modes and responses have small residuals, and an option says no more than its key may."""
+    strut = strip(nx=8, ny=1, load=[{"type": "line", "group": "tip", "vector": [-4, 0, 0]}], probe=[{"name": "tip", "type": "displacement", "group": "tip", "components": ["z"]}])
+
+    def code_of(name, case, options="", *words):
+        result = run(write_case(case | {"petsc": {"options": options}}, OUT / f"weak_{name}.toml"), fresh(f"weak_{name}"))
+        missing = [w for w in words if w not in result.text]
+        report.check(not missing, f"{name}, {options}: {missing or 'said'}")
+        return result
+
+    for options in ("-pc_type lu", "-ksp_type cg -pc_type jacobi -ksp_max_it 1000"):
+        result = code_of("drape", strut | {"analysis": "drape"}, options)
+        report.check(result.code == 3 or abs(result.history["tip_z"][-1]) > 1, f"{options}: the drape of a strut beyond its buckling load, code {result.code}, {result.history['tip_z'][-1]:.3g} m")
+        result = code_of("static", strut | {"analysis": "static"}, options)
+        report.check(result.code in (3, 5), f"{options}: its load path ends with code {result.code}")
+    staged = {k: v for k, v in strut.items() if k not in ("analysis", "time")} | {"stage": [{"name": "a", "analysis": "static"}, {"name": "b", "analysis": "modal"}]}
+    report.check(code_of("stages", staged, "", "if no later stage leaves it").code == 5, "modes of an unstable equilibrium leave it so")
+    buckling, modal = (strip(a, nx=8, ny=1, load=strut["load"], eigen={"modes": 2}) for a in ("buckling", "modal"))
+    del buckling["time"], modal["time"], modal["load"]
+    report.percent(code_of("buckling", buckling).summary["eigenvalues"][0] / (math.pi**2 / 4 / 4), 0.01, "the buckling load")
+    for options in ("-pc_type none", "-ksp_type preonly -pc_type jacobi", "-pc_type ilu"):
+        report.check(code_of("buckling", buckling, options).code == 2, f"buckling with {options} is refused")
+    for options in ("-st_pc_type none", "-st_pc_type mat"):
+        report.check(code_of("modal", modal, options).code == 3, f"modes with {options} have not converged")
+    response = modal | {"analysis": "harmonic", "harmonic": {"frequencies": [0.01]}, "load": [{"type": "line", "group": "tip", "vector": [0, 0, 1]}], "damping": {"ratio": [0.01]}}
+    response["eigen"] = {"modes": 1}
+    report.check(code_of("harmonic", response).code == 0 and code_of("harmonic", response, "-pc_type none").code == 2, "a response without its static correction is refused")
+    motion, path = strip("dynamic", nx=4, ny=1), strip("static", nx=4, ny=1)
+    touching = {"contact": {"distance": 0.1}, "obstacle": [{"name": "ball", "type": "sphere", "point": [8, 0.5, 2], "radius": 1}]}
+    for case, options, words in ((path, "-pc_type voile_mixed -mixed_ksp_rtol 1", "-mixed_ksp_rtol of 0.001 at most"), (path, "-pc_type voile_mixed -mixed_ksp_atol 1e10", "-mixed_ksp_"),
+                                 (motion, "-inexact_ksp_norm_type none", "does not know when to end"), (motion, "-snes_ksp_ew", "judges convergence itself"),
+                                 (path | touching, "-path_control arc_length", "contact in a static path needs load"), (path | {"steps": {"stops": [0.3]}}, "-path_control arc_length", "stops are load factors"),
+                                 (path, "-path_at_critical_point stop", "load control cannot stop"), (motion | touching, "-ts_type voile_central", "contact needs the implicit method")):
+        report.check(code_of("refused", case, options, words).code == 2, f"{options} is refused")

@@ -118,7 +118,7 @@ def loose_options(report):
         done = run(motion, fresh("loose_other"), 1, options.split(), 120)
         report.check(done.code == 2 and words in done.text, f"{options}: code {done.code}, {done.text.strip()[-160:]}")
     done = run(motion, fresh("loose_other"), 1, ["-ts_max_steps", "3"], 120)
-    report.check(done.code == 0 and "warning: -ts_max_steps ends the motion at t = 0.06 s" in done.text, f"a motion that ends early: code {done.code}")
+    report.check(done.code == 3 and "-ts_max_steps ends the motion at t = 0.06 s" in done.text, f"a motion that ends early: code {done.code}")
     for command in ("run", "check", "info"):
         code, said = invoke([command, ""])
         report.check(code == 2 and "empty" in said, f"{command} of an empty name: code {code}")
