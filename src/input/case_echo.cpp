@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <sstream>
 
 #include "base/group_list.hpp"
 #include "base/text.hpp"
@@ -269,14 +271,33 @@ std::string echo_keys(const std::vector<Key>& keys) {
   return out;
 }
 
+/// Makes a comment of a key that would be refused as it has no meaning.
+void disable(const std::string& key, std::string& text) {
+  if (const std::size_t at = text.find("\n" + key + " = "); at != std::string::npos) text.insert(at + 1, "# ");
+}
+
+/// Of sections whose keys exclude each other: what is as usual is a comment.
+std::string echo_changes(const std::vector<Key>& keys, const std::vector<Key>& usual) {
+  std::istringstream given(echo_keys(keys)), defaults(echo_keys(usual));
+  std::set<std::string> as_usual;
+  for (std::string line; std::getline(defaults, line);) as_usual.insert(line);
+  std::string out;
+  for (std::string line; std::getline(given, line);)
+    out += (line[0] != '#' && as_usual.contains(line) ? "# " : "") + line + "\n";
+  return out;
+}
+
 std::string echo_case(const Case& c) {
   if (!c.stages.empty())
     return "# The case with its stages; the folder of each has it with every value in force.\n" + c.staged_text;
   Case copy = c;
   std::string out = "# The case with every value in force.\n" + echo_keys(top_keys(copy));
   if (!UnitSystem(copy.units).is_si()) out += "\n[units]\n" + echo_keys(keys_of(copy.units));
-  out += "\n[mesh]\n" + echo_keys(keys_of(copy.mesh));
-  out += echo_all("panel", copy.panels);
+  MeshSection usual_mesh;
+  PanelSection usual_panel;
+  out += "\n[mesh]\n" +
+         (copy.panels.empty() ? echo_keys(keys_of(copy.mesh)) : echo_changes(keys_of(copy.mesh), keys_of(usual_mesh)));
+  for (PanelSection& s : copy.panels) out += "\n[[panel]]\n" + echo_changes(keys_of(s), keys_of(usual_panel));
   out += echo_all("seam", copy.seams);
   out += echo_all("mark", copy.marks);
   if (!copy.panels.empty()) out += "\n[sewing]\n" + echo_keys(keys_of(copy.sewing));
@@ -290,7 +311,11 @@ std::string echo_case(const Case& c) {
     out += "\n[[support]]\n" + echo_keys(keys_of(copy.supports[i], copy.motions[i]));
   out += echo_all("rigid", copy.rigids);
   out += echo_all("periodic", copy.periodics);
-  out += echo_all("load", copy.loads);
+  for (system::Load& load : copy.loads) {
+    std::string text = echo_keys(keys_of(load));
+    if (!(load.leak_area > 0.0)) disable("density", text);
+    out += "\n[[load]]\n" + text;
+  }
   out += echo_all("temperature", copy.temperatures);
   if (copy.form.active) out += "\n[form]\n" + echo_keys(keys_of(copy.form));
   out += echo_all("hinge", copy.hinges);

@@ -199,7 +199,7 @@ std::string CaseReader::text(const std::filesystem::path& folder) const {
     const std::filesystem::path path = *(*item)[key].value<std::string>();
     std::filesystem::path file = (folder / path).lexically_normal();
     std::error_code ignored;
-    if (std::string_view(key) == "fabric")
+    if (std::string_view(key) == "fabric" || std::string_view(key) == "interlining")
       for (const std::filesystem::path& place : fabric_places(folder / "case.toml", path))
         if (std::filesystem::is_regular_file(place, ignored)) {
           file = place;
@@ -207,14 +207,19 @@ std::string CaseReader::text(const std::filesystem::path& folder) const {
         }
     item->insert_or_assign(key, file.string());
   };
-  const std::array paths{std::pair{"mesh", "file"},     std::pair{"mesh", "start"},
-                         std::pair{"panel", "file"},    std::pair{"material", "fabric"},
-                         std::pair{"obstacle", "file"}, std::pair{"obstacle", "frames"}};
+  const std::array paths{
+      std::pair{"mesh", "file"},          std::pair{"mesh", "start"},           std::pair{"panel", "file"},
+      std::pair{"material", "fabric"},    std::pair{"obstacle", "file"},        std::pair{"obstacle", "frames"},
+      std::pair{"obstacle", "landmarks"}, std::pair{"material", "interlining"}, std::pair{"imperfection", "results"},
+      std::pair{"remesh", "background"}};
   for (const auto& [section, key] : paths) {
     if (toml::array* items = root[section].as_array())
       for (toml::node& item : *items) make_absolute(item.as_table(), key);
     make_absolute(root[section].as_table(), key);
   }
+  if (toml::array* stages = root["stage"].as_array())
+    for (toml::node& stage : *stages)
+      if (toml::table* remesh = (*stage.as_table())["remesh"].as_table()) make_absolute(remesh, "background");
   std::ostringstream out;
   out << toml::toml_formatter(root) << '\n';
   return out.str();

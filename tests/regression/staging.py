@@ -7,6 +7,7 @@ import signal
 import numpy as np
 from harness import OUT, solve, test
 from common import fresh, lines, started, strip, wait_for
+from pattern_files import CLOTH, rectangle, svg
 from solver import Result, invoke, run, write_case
 
 
@@ -92,6 +93,29 @@ def stages_echo(report):
     report.below(largest(end_of(again, "swing").displacement(), end_of(whole, "swing").displacement()), 1e-12, "to the same end")
     alone = run(whole.folder / "bend" / "resolved_case.toml", fresh("stages_echo_bend"))
     report.below(largest(alone.displacement(), end_of(whole, "bend").displacement()), 1e-12, "the first stage from its own")
+
+
+@test
+def echoes(report):
+    """What a run writes of its case is a case, whose files are found from everywhere: of panels, of a gas that does not leak, of all that names files in stages."""
+    def checked(name, case):
+        folder = solve(f"echo_{name}", case, 1).folder
+        for file in (folder / "resolved_case.toml", *sorted(folder.glob("*/resolved_case.toml"))):
+            code, text = invoke(["check", file])
+            report.check(code == 0, f"{name}, {file.relative_to(folder)}: code {code}{text[-200:] if code else ''}")
+
+    motion = {"analysis": "dynamic", "time": {"end": 0.002, "step": 0.002}}
+    panels = {"panel": [{"file": svg("echo.svg", rectangle("p", 0.2, 0.1)), "size": 0.05}], "material": [CLOTH], "contact": {"distance": 1e-3}}
+    checked("panels", panels | motion)
+    checked("panels_staged", panels | {"stage": [{"name": "a"} | motion]})
+    box = strip(nx=4, ny=1, load=[{"type": "gas", "magnitude": 1.0, "ambient": 1e5, "apex": [5, 0.5, 1]}], support=[{"type": "clamped", "group": ["clamp", "tip"]}])
+    checked("gas", {k: v for k, v in box.items() if k != "time"})
+    (OUT / "echo.csv").write_text("top,0,0,0.3\n")
+    (OUT / "echo.pos").write_text('View "size" {\nST(0,0,0, 10,0,0, 0,1,0){2,2,2};\nST(10,0,0, 10,1,0, 0,1,0){2,2,2};\n};\n')
+    (OUT / "echo.obj").write_text("v 0 0 5\nv 1 0 5\nv 0 1 5\nf 1 2 3\n")
+    files = staged([{"name": "a"} | motion], nx=4, ny=1, contact={"distance": 0.01}, remesh={"background": "echo.pos", "smallest": 1, "largest": 3},
+                   obstacle=[{"name": "b", "type": "mesh", "file": "echo.obj", "landmarks": "echo.csv"}])
+    checked("files", files)
 
 
 @test
