@@ -349,3 +349,6 @@ def weak_options(report):
                                  (path | touching, "-path_control arc_length", "contact in a static path needs load"), (path | {"steps": {"stops": [0.3]}}, "-path_control arc_length", "stops are load factors"),
                                  (path, "-path_at_critical_point stop", "load control cannot stop"), (motion | touching, "-ts_type voile_central", "contact needs the implicit method")):
         report.check(code_of("refused", case, options, words).code == 2, f"{options} is refused")
+    for case, words in ((strip("linear", nx=4, ny=1, steps={"control": "arc_length"}), "[steps] control has no effect"), (strip("dynamic", nx=4, ny=1, time={"end": 0.1, "method": "central_difference", "step_error": 1e-3}), "[time] step_error has no effect")):
+        code, text = invoke(["check", write_case(case, OUT / "weak_idle.toml")])
+        report.check(code == 0 and words in text, f"{words}: code {code}")
