@@ -194,8 +194,7 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
                                {"symmetry", system::Support::Kind::symmetry}}),
        .meaning = "`displacement`: the named components are prescribed. `hinged`: all three are, the edge may turn. "
                   "`clamped`: as hinged, and the slope across the edge, or round the surface, is held. `sliding`: that "
-                  "slope alone, and the "
-                  "named components. `symmetry`: mirror plane.",
+                  "slope alone, and the named components. `symmetry`: mirror plane.",
        .required = true},
       {.name = "group",
        .slot = GroupList{&s.group},

@@ -161,11 +161,9 @@ void SurfaceMesh::build_adjacency() {
       for (std::size_t j = first; j < k; ++j)
         if (apex_of(k) == apex_of(j)) doubled.push_back(fmt::format("{} and {}", tag(j), tag(k)));
     const Segment edge{edges[first].low, edges[first].high};
-    const auto is_among = [&](const std::vector<Segment>& edges_of) {
-      return std::binary_search(edges_of.begin(), edges_of.end(), edge);
-    };
-    if (last - first > 2 ||
-        (last - first == 2 && (is_among(twisted_) || is_among(data_.hinges) || is_among(data_.borders)))) {
+    const auto parts = [&](const std::vector<Segment>& list) { return std::ranges::binary_search(list, edge); };
+    const bool is_parted = parts(twisted_) || parts(data_.hinges) || parts(data_.borders);
+    if (last - first > 2 || (last - first == 2 && is_parted)) {
       joints_.push_back({edge, {}});
       for (std::size_t k = first; k < last; ++k) joints_.back().sides.push_back({edges[k].triangle, edges[k].side});
     } else if (last - first == 2) {

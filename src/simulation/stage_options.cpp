@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "base/petsc.hpp"
 #include "solve/load_path.hpp"
-#include "solve/time_integration.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::simulation {
@@ -30,6 +30,13 @@ void check_path(const input::Case& c) {
     throw UserError("-path_control: a [[support]] that moves with the load factor needs load");
 }
 
+void read_end(solve::TimeOptions& options) {
+  PetscReal end = options.end_time;
+  VOILE_PETSC(PetscOptionsGetReal(nullptr, nullptr, "-ts_max_time", &end, nullptr));
+  if (!(end > 0.0)) throw UserError(fmt::format("-ts_max_time {}: must be > 0 s", end));
+  options.end_time = end;
+}
+
 }  // namespace
 
 void take_options(MPI_Comm comm, input::Case& c) {
@@ -40,7 +47,7 @@ void take_options(MPI_Comm comm, input::Case& c) {
     std::erase_if(c.steps.stops, [&](double stop) { return stop > c.eigen.load_factor; });
   }
   const double end = c.time.options.end_time;
-  if (c.analysis == input::Analysis::dynamic) solve::read_time_options(c.time.options);
+  if (c.analysis == input::Analysis::dynamic) read_end(c.time.options);
   if (c.is_staged()) c.time.options.end_time = std::min(c.time.options.end_time, end);  // -ts_max_time is for all
 }
 

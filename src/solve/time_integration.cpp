@@ -106,7 +106,7 @@ void TimeIntegration::Impl::create(const system::State& from) {
   create_snes();
   refuse_snes_options();
   VOILE_PETSC(TSSetFromOptions(ts));
-  // -ts_max_time is known to the caller (read_time_options), who may want to stop earlier.
+  // -ts_max_time is known to the caller, who may want to stop earlier.
   PetscReal max_time = 0.0;
   VOILE_PETSC(TSGetMaxTime(ts, &max_time));
   if (max_time != until()) options.end_time = std::min(options.end_time, static_cast<double>(max_time));
@@ -395,13 +395,6 @@ StepResult TimeIntegration::advance(system::State& state) {
     r.reason = e.what();
   }
   return r;
-}
-
-void read_time_options(TimeOptions& options) {
-  PetscReal end = options.end_time;
-  VOILE_PETSC(PetscOptionsGetReal(nullptr, nullptr, "-ts_max_time", &end, nullptr));
-  if (!(end > 0.0)) throw UserError(fmt::format("-ts_max_time {}: must be > 0 s", end));
-  options.end_time = end;
 }
 
 }  // namespace voile::solve

@@ -38,9 +38,6 @@ class TimeIntegration : public Stepper {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The options that change what the caller must know before a run: -ts_max_time. Not collective.
-void read_time_options(TimeOptions& options);
-
 /// Largest circular frequency of M^-1 K with the tangent at u and lumped mass, by power iteration [1/s]. Collective.
 [[nodiscard]] double largest_frequency(system::Dynamics& dynamics, Vec u);
 
