@@ -252,7 +252,7 @@ def heated_ranks_and_restart(report):
 @test
 def heated_stages(report):
     """What a stage has heated stays hot in the next: its modes are those of one case at that temperature."""
-    hot = held_plate(8, "clamped", material=[STEEL | {"density": 7800.0}], temperature=[{"change": "30"}])
+    hot = held_plate(8, "clamped", material=[STEEL | {"density": 7800.0}], temperature=[{"change": "15"}])  # stable
     for key in ("analysis", "steps", "output"):
         hot.pop(key, None)
     both = solve("heated_stages", hot | {"stage": [{"name": "heat", "analysis": "static"},
