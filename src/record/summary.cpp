@@ -27,7 +27,7 @@ Json json_of(const GarmentMeasures& m) {
     seams.push_back({{"name", t.name},
                      {"length", t.length},
                      {"mean_tension", t.mean},
-                     {"mean_tension_error", t.standard_error},
+                     {"mean_tension_error", t.error},
                      {"largest_tension", t.largest}});
   Json all{{"panels", panels}, {"seams", seams}};
   if (m.ease) all["least_ease"] = m.ease->least;

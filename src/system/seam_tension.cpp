@@ -141,6 +141,19 @@ double length_at_rest(const Fabric& f) {
   return sum;
 }
 
+/// Of the tension from one vertex of the line to the next: what changes smoothly along it is none.
+double scatter(const Fabric& f, const std::map<Index, Pull>& pulls) {
+  double sum = 0.0;
+  int count = 0;
+  for (const auto& [segment, side] : f.line) {
+    const auto a = pulls.find(segment[0]), b = pulls.find(segment[1]);
+    if (a == pulls.end() || b == pulls.end()) continue;
+    sum += 0.5 * std::pow(a->second.force / a->second.length - b->second.force / b->second.length, 2);
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0.0;
+}
+
 }  // namespace
 
 SeamTension seam_tension(const energy::Sheet& sheet, const mesh::Group& line, const std::vector<double>& force,
@@ -150,7 +163,7 @@ SeamTension seam_tension(const energy::Sheet& sheet, const mesh::Group& line, co
   std::set<Index> vertices;
   for (const auto& [segment, side] : fabric.line) vertices.insert(segment.begin(), segment.end());
   SeamTension tension{line.name, length_at_rest(fabric)};
-  std::vector<Pull> pulls;
+  std::map<Index, Pull> pulls;
   double total = 0.0, length = 0.0;
   for (const Index v : vertices) {
     Pull here;
@@ -164,13 +177,11 @@ SeamTension seam_tension(const energy::Sheet& sheet, const mesh::Group& line, co
     if (!(here.length > 0.0)) continue;
     total += here.force;
     length += here.length;
-    pulls.push_back(here);
+    pulls[v] = here;
   }
   if (pulls.empty()) return tension;
   tension.mean = total / length;
-  double variance = 0.0;
-  for (const Pull& p : pulls) variance += p.length / length * std::pow(p.force / p.length - tension.mean, 2);
-  tension.standard_error = std::sqrt(variance / static_cast<double>(pulls.size()));
+  tension.error = scatter(fabric, pulls);
   return tension;
 }
 

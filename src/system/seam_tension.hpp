@@ -24,8 +24,9 @@ struct SeamTension {
   double length = 0.0;               ///< at rest, mean of both sides [m]
   double mean = 0.0, largest = 0.0;  ///< along the seam [N/m]
   /// Of the mean, by the scatter from vertex to vertex [N/m]: beside an eased or gathered seam bending carries part of
-  /// the force, the membrane forces of small folds are far larger than the tension, and the mean may be wrong by that.
-  double standard_error = 0.0;
+  /// the force, the membrane forces of small folds are far larger than the tension, and the mean may be wrong by all of
+  /// that, since what one vertex errs by is not independent of the next.
+  double error = 0.0;
 };
 
 /// Across the edges of a curve group: one line of a welded seam, or both sides of an open one. `force`:

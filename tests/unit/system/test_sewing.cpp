@@ -290,7 +290,7 @@ TEST_CASE("tension of a seam, open or welded, is the traction across it in any h
       CHECK(t.length == doctest::Approx(1.0).epsilon(1e-12));
       CHECK(t.mean == doctest::Approx(exact).epsilon(1e-9));
       // Where borders pull, the ends differ; of a welded line by as much one way as the other.
-      CHECK((t.standard_error < 1e-9 * t.mean) == (free || welded));
+      CHECK((t.error < 1e-9 * t.mean) == (free || welded));
       if (free) CHECK(t.largest == doctest::Approx(exact).epsilon(1e-9));
     }
 }
