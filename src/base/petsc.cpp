@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <initializer_list>
 #include <string>
 
 #include "voile/errors.hpp"
@@ -25,6 +27,19 @@ PetscErrorCode remember(MPI_Comm, int line, const char* function, const char*, P
   if (type == PETSC_ERROR_INITIAL) last_error = {text ? text : "", function ? function : "", "", code};
   last_error.stack += fmt::format(" < {}:{}", function ? function : "?", line);
   return code;
+}
+
+/// Whether an error came up in a solver that options have chosen.
+bool is_of_chosen_solver(const LastError& error) {
+  char* all = nullptr;
+  if (PetscOptionsGetAll(nullptr, &all) != 0) return false;
+  const std::string options(all);
+  (void)PetscFree(all);
+  const auto has = [](const std::string& text, std::initializer_list<const char*> words) {
+    return std::any_of(words.begin(), words.end(), [&](const char* w) { return text.find(w) != std::string::npos; });
+  };
+  return has(options, {"-ksp_", "-pc_", "-mat_mumps_", "-st_"}) &&
+         has(error.function + error.stack, {"KSPSolve", "KSPSetUp", "PCSetUp", "PCApply"});
 }
 
 /// Whether options that PETSc cannot follow are behind an error.
@@ -69,7 +84,7 @@ void check(PetscErrorCode code, const char* where) {
         fmt::format("a linear system has not been solved: {}; leave out options of linear solvers (-st_ksp_type, "
                     "-st_pc_type ...) or let them iterate longer",
                     what));
-  if (is_of_options(code, error))
+  if (is_of_options(code, error) || is_of_chosen_solver(error))
     throw UserError(fmt::format(
         "PETSc refuses one of its options: {} (in {}); see the options on the command line, in PETSC_OPTIONS and in "
         "[petsc] of the case, and -help for what is known",

@@ -191,6 +191,8 @@ StepResult LoadPath::begin(system::State& state) {
   VOILE_PETSC(VecCopy(state.u, accepted_));
   step_ = state.next_step > 0.0 ? std::min(state.next_step, options_.max_step) : options_.initial_step;
   halvings_ = 0;
+  if (finished(state) && r.outcome != Outcome::failed)
+    r.newton.negative_pivots = newton_->negative_eigenvalues(state.u);
   return r;
 }
 

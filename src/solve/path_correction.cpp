@@ -30,6 +30,15 @@ PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
   VOILE_PETSC(VecNorm(mode, NORM_2, &size));
   VOILE_PETSC(VecNorm(load, NORM_2, &force));
   if (size * force > 0.0) t.pushed = std::abs(work) / (size * force);
+  // At a bifurcation K^-1 f is whatever round-off makes of the mode that f does not push: a path that did not come along it goes on
+  // without it.
+  const double along = dot(mode, load_solution);
+  Vec way = dot(increment, increment) > 0.0 ? static_cast<Vec>(increment) : static_cast<Vec>(previous);
+  const double come = std::sqrt(dot(way, way));
+  if (t.pushed >= not_pushed || std::abs(along) <= 0.5 * t.speed || std::abs(dot(mode, way)) >= 0.5 * come) return t;
+  VOILE_PETSC(VecAXPY(load_solution, -along, mode));
+  t.speed = std::sqrt(dot(load_solution, load_solution));
+  t.good = t.speed > 0.0;
   return t;
 }
 

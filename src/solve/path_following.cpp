@@ -127,6 +127,17 @@ bool PathFollower::Impl::leaves_path(const Constraint& constraint) const {
   return dot(increment, increment) > 2.0 * change * dot(increment, tangent_solution);
 }
 
+/// The same after the fact: the tangents at both ends do not lead from one to the other.
+bool PathFollower::Impl::has_jumped(const Constraint& constraint) const {
+  if (constraint.kind != Control::displacement || jumping) return false;
+  constexpr double most = 0.4;  // of |Da|
+  const double half = 0.5 * (constraint.value - probed(accepted));
+  VOILE_PETSC(VecCopy(increment, last_mode));
+  VOILE_PETSC(VecAXPY(last_mode, -half / probed(tangent_solution), tangent_solution));
+  VOILE_PETSC(VecAXPY(last_mode, -half / probed(load_solution), load_solution));
+  return !(dot(last_mode, last_mode) <= most * most * dot(increment, increment));
+}
+
 /// One step from the accepted state; on the way past the end, the end.
 NewtonResult PathFollower::Impl::attempt(Vec a, double& lambda, const Constraint& constraint) {
   predict(constraint, lambda);
@@ -169,7 +180,6 @@ std::optional<CriticalPoint> PathFollower::Impl::passed(const Tangent& after, do
   point.kind = *kind;
   // The load turns at a limit point, whose mode it pushes; also where a step has run over to the branch of a bifurcation, whose
   // mode is the one that follows.
-  constexpr double not_pushed = 1e-3;
   constexpr double same = 0.5;
   const bool follows = tangent.eigenvalue * after.eigenvalue < 0.0 && after.kept > same;
   if (point.kind == CriticalPoint::Kind::limit && follows && tangent.pushed < not_pushed)
@@ -242,6 +252,11 @@ PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda) 
   const int before = linear.factorisations();
   t.newton = branching ? branch(a, lambda, length) : attempt(a, lambda, constraint);
   if (t.newton.converged) t.after = tangent_at(a);
+  if (t.newton.converged && t.after.good && !branching && has_jumped(constraint)) {
+    doubted = std::max(doubted, length);
+    t.newton.converged = false;
+    t.newton.reason = "the state found lies off the path";
+  }
   if (t.newton.converged && t.after.good && !branching && !jumping) t.critical = passed(t.after, lambda);
   t.found = t.critical && (options.at_critical_point == AtCriticalPoint::stop ||
                            (may_branch && t.critical->kind != CriticalPoint::Kind::limit));

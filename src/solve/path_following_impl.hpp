@@ -13,6 +13,9 @@ namespace voile::solve {
 using Control = StaticOptions::Control;
 using AtCriticalPoint = StaticOptions::AtCriticalPoint;
 
+/// Of Tangent::pushed: below it the load does no work on the mode.
+inline constexpr double not_pushed = 1e-3;
+
 struct PathFollower::Impl {
   system::Model& model;
   const StaticOptions options;
@@ -91,6 +94,7 @@ struct PathFollower::Impl {
   [[nodiscard]] bool at_end() const { return is_end(probed(accepted), factor); }
   [[nodiscard]] NewtonResult land(Vec a, double& lambda);
   [[nodiscard]] bool leaves_path(const Constraint& constraint) const;
+  [[nodiscard]] bool has_jumped(const Constraint& constraint) const;
   [[nodiscard]] NewtonResult attempt(Vec a, double& lambda, const Constraint& constraint);
   [[nodiscard]] Constraint constraint_of_place(double probed_before) const;
   [[nodiscard]] std::optional<CriticalPoint::Kind> kind_between(double rate_before, long pivots_before,

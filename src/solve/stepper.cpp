@@ -37,6 +37,8 @@ void RunStatistics::add(const StepResult& r) {
     reason = r.reason;
     interrupted = r.interrupted;
   }
+  if (r.outcome == Outcome::accepted && r.taken == 0.0 && steps == 0)  // of the start, where no step is left to take
+    newton.negative_pivots = r.newton.negative_pivots;
   if (r.outcome != Outcome::accepted || r.taken == 0.0) return;
   ++steps;
   newton = r.newton;

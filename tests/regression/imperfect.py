@@ -190,6 +190,14 @@ def arch_between(report):
     report.check(low < 0.2184 < high, f"the bifurcation, 0.2184 by switch_branch, lies between {low:.4g} and {high:.4g}")
     located = solve("arch_located", case | {"steps": case["steps"] | {"at_critical_point": "switch_branch"}}).summary["critical_points"]
     report.percent(located[-1]["load_factor"] / 0.2180, 0.005, "located, against the formula")
+    case["imperfection"][0]["height"] = "0.05*sin(pi*x)"
+    case["steps"] |= {"final_displacement": -0.06, "initial_step": 0.2, "max_step": 1.0}
+    passed = solve("arch_passed", case)
+    stopped = solve("arch_stopped", case | {"steps": case["steps"] | {"at_critical_point": "stop"}})
+    report.check(stopped.summary["critical_points"][-1]["kind"] == "bifurcation point", "a higher one stops at its bifurcation")
+    for file in ("checkpoint.h5", "results.vtkhdf"):
+        again = solve("arch_again", case, options=["--restart", stopped.folder / file])
+        report.percent(again.history["load_factor"][-1] / passed.history["load_factor"][-1], 1e-6, f"and goes on with {file} on the path that it came along: load factor {passed.history['load_factor'][-1]:.5g}")
 
 
 @test

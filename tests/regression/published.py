@@ -163,6 +163,10 @@ def snap_back_by_displacement(report):
     on_path = np.interp(result.history["load_factor"][last], arc.history["load_factor"][near], way[near])
     report.percent(-result.history["C_z"][last] / on_path, 0.001, "the last state before is on the path by arc length")
     report.below(1 - way[turn] / -result.history["C_z"][last], 0.01, "and where that turns back, short of it by")
+    for step in (0.03, 0.08):
+        coarse = solve(f"snap_back_{step}", case | {"steps": case["steps"] | {"initial_step": step, "max_step": step}})
+        found = re.findall(r"limit point at load factor (\S+)", coarse.text)
+        report.check(len(found) == 1 and "turns back" in coarse.text, f"steps of {step}: limit points at {found}")
     case["steps"]["max_steps"] = 10
     part = run(write_case(case, OUT / "snap_back_part.toml"), fresh("snap_back_part"))
     del case["steps"]["max_steps"]

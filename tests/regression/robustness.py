@@ -330,6 +330,9 @@ def weak_options(report):
         report.check(result.code == 3 or abs(result.history["tip_z"][-1]) > 1, f"{options}: the drape of a strut beyond its buckling load, code {result.code}, {result.history['tip_z'][-1]:.3g} m")
         result = code_of("static", strut | {"analysis": "static"}, options)
         report.check(result.code in (3, 5), f"{options}: its load path ends with code {result.code}")
+    first = run(write_case(strut | {"analysis": "static"}, OUT / "weak_unstable.toml"), fresh("weak_unstable"))
+    again = run(OUT / "weak_unstable.toml", fresh("weak_again"), 1, ["--restart", first.folder / "checkpoint.h5"])
+    report.check((first.code, again.code) == (5, 5), f"an unstable end stays one when it is restarted: codes {first.code}, {again.code}")
     staged = {k: v for k, v in strut.items() if k not in ("analysis", "time")} | {"stage": [{"name": "a", "analysis": "static"}, {"name": "b", "analysis": "modal"}]}
     report.check(code_of("stages", staged, "", "if no later stage leaves it").code == 5, "modes of an unstable equilibrium leave it so")
     buckling, modal = (strip(a, nx=8, ny=1, load=strut["load"], eigen={"modes": 2}) for a in ("buckling", "modal"))
@@ -345,7 +348,7 @@ def weak_options(report):
     motion, path = strip("dynamic", nx=4, ny=1), strip("static", nx=4, ny=1)
     touching = {"contact": {"distance": 0.1}, "obstacle": [{"name": "ball", "type": "sphere", "point": [8, 0.5, 2], "radius": 1}]}
     for case, options, words in ((path, "-pc_type voile_mixed -mixed_ksp_rtol 1", "-mixed_ksp_rtol of 0.001 at most"), (path, "-pc_type voile_mixed -mixed_ksp_atol 1e10", "-mixed_ksp_"),
-                                 (motion, "-inexact_ksp_norm_type none", "does not know when to end"), (motion, "-snes_ksp_ew", "judges convergence itself"),
+                                 (motion, "-inexact_ksp_norm_type none", "does not know when to end"), (motion, "-snes_ksp_ew", "judges convergence itself"), (path, "-ksp_initial_guess_nonzero", "refuses one of its options"),
                                  (path | touching, "-path_control arc_length", "contact in a static path needs load"), (path | {"steps": {"stops": [0.3]}}, "-path_control arc_length", "stops are load factors"),
                                  (path, "-path_at_critical_point stop", "load control cannot stop"), (motion | touching, "-ts_type voile_central", "contact needs the implicit method")):
         report.check(code_of("refused", case, options, words).code == 2, f"{options} is refused")
