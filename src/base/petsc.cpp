@@ -38,7 +38,7 @@ bool is_of_chosen_solver(const LastError& error) {
   const auto has = [](const std::string& text, std::initializer_list<const char*> words) {
     return std::any_of(words.begin(), words.end(), [&](const char* w) { return text.find(w) != std::string::npos; });
   };
-  return has(options, {"-ksp_", "-pc_", "-mat_mumps_", "-st_"}) &&
+  return has(options, {"-ksp_type", "-ksp_initial_guess", "-pc_", "-mat_mumps_", "-st_"}) &&
          has(error.function + error.stack, {"KSPSolve", "KSPSetUp", "PCSetUp", "PCApply"});
 }
 

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "base/frequency_unit.hpp"
 #include "base/plain_file.hpp"
 #include "base/text.hpp"
 #include "launched_ranks.hpp"
@@ -41,11 +42,9 @@ void declare(CLI::App& cli, CompareOptions& o) {
   c->add_flag("--overwrite", o.overwrite, "Replace that file");
 }
 
-/// Of the values, from the name of their column.
 std::string unit_of(const ModeSet& set) {
-  const std::string in_other = "frequency_per_";
-  if (set.quantity.starts_with(in_other)) return "[1/" + set.quantity.substr(in_other.size()) + "]";
-  return set.quantity == "frequency_hz" ? "[Hz]" : "";
+  const std::string unit = frequency_unit(set.quantity);
+  return unit.empty() ? "" : "[" + unit + "]";
 }
 
 void print(const ModeSet& first, const ModeSet& second, const ModeComparison& c) {

@@ -258,10 +258,6 @@ std::string UnitSystem::label(const std::string& unit) const {
   return text;
 }
 
-std::string frequency_column(const UnitsSection& units) {
-  return units.time == "s" ? "frequency_hz" : "frequency_per_" + units.time;
-}
-
 std::string unit_for(const std::string& key_unit, const std::string& type) {
   if (key_unit.find(',') == std::string::npos) return key_unit == "file unit" ? "" : key_unit;
   std::size_t begin = 0;

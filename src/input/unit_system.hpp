@@ -56,9 +56,6 @@ class UnitSystem {
   double length_ = 1.0, mass_ = 1.0, time_ = 1.0;
 };
 
-/// Column of frequencies: "frequency_hz", in another unit of time "frequency_per_ms".
-[[nodiscard]] std::string frequency_column(const UnitsSection& units);
-
 /// Unit of a key in a section of this type: its text may be a list by type, "point N, line N/m". Empty if it names none.
 [[nodiscard]] std::string unit_for(const std::string& key_unit, const std::string& type);
 

@@ -20,6 +20,7 @@ std::vector<Segment> inner_border(const SurfaceMesh& mesh, const Group& group) {
     const auto count = std::count_if(joint.sides.begin(), joint.sides.end(), is_within);
     if (count > 0 && count < static_cast<std::ptrdiff_t>(joint.sides.size())) border.push_back(joint.edge);
   }
+  std::sort(border.begin(), border.end());
   return border;
 }
 

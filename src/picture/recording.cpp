@@ -9,6 +9,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "base/frequency_unit.hpp"
 #include "base/length_unit.hpp"
 #include "base/plain_file.hpp"
 #include "base/text.hpp"
@@ -125,9 +126,7 @@ void Recording::add_modes(const fs::path& folder, const std::string& stage, cons
   const auto rows = read_csv(folder / "modes.csv");
   for (std::size_t i = 1; i < rows.size(); ++i)
     if (rows[i].size() > 1) part.mode_values.push_back(std::strtod(rows[i][1].c_str(), nullptr));
-  const std::string column = !rows.empty() && rows[0].size() > 1 ? rows[0][1] : "", in_other = "frequency_per_";
-  if (column == "frequency_hz") part.frequency_unit = "Hz";
-  if (column.starts_with(in_other)) part.frequency_unit = "1/" + column.substr(in_other.size());
+  if (!rows.empty() && rows[0].size() > 1) part.frequency_unit = frequency_unit(rows[0][1]);
   part.about = last_positions(folder);
   if (part.about.empty() && !stage.empty()) {
     // A stage of modes begins, and swings, where the one before it has ended.

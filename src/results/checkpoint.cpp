@@ -15,7 +15,7 @@ namespace voile::results {
 namespace {
 
 constexpr std::size_t anchor_numbers = 8;     // of each anchor
-constexpr std::size_t path_numbers = 6;       // of a path
+constexpr std::size_t path_numbers = 5;       // of a path, and one more where that is not 0
 constexpr std::size_t stability_numbers = 4;  // of central differences
 
 /// The vectors of a checkpoint, const or not, under their names in the file.
@@ -104,7 +104,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
   }
   if (!c.stability.empty()) file.dataset("stability", H5T_NATIVE_DOUBLE, 1, c.stability.size(), c.stability.data());
   if (!c.step_start.empty()) file.dataset("step_start", H5T_NATIVE_DOUBLE, 1, c.step_start.size(), c.step_start.data());
-  if (!c.path.empty()) file.dataset("path", H5T_NATIVE_DOUBLE, 1, c.path.size(), c.path.data());
+  if (!c.path.empty()) file.dataset("path", H5T_NATIVE_DOUBLE, 1, path_numbers, c.path.data());
+  if (!c.path.empty() && c.path.back() != 0.0) file.dataset("path_doubted", H5T_NATIVE_DOUBLE, 1, 1, &c.path.back());
   file.number("/", "anchors_count", static_cast<double>(c.anchors.size()));
   file.finish();
 }
@@ -235,7 +236,10 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   if (has(file, "step_start")) c.step_start = read_values(file, "step_start", 2, path);
   for (const double number : c.step_start)
     if (!std::isfinite(number) || !(c.step_start[1] > 0.0)) fail_reading(path, "its last step makes no sense");
-  if (has(file, "path")) c.path = read_values(file, "path", path_numbers, path);
+  if (has(file, "path")) {
+    c.path = read_values(file, "path", path_numbers, path);
+    c.path.push_back(has(file, "path_doubted") ? read_values(file, "path_doubted", 1, path).front() : 0.0);
+  }
   for (const double number : c.path)
     if (!std::isfinite(number) || std::abs(c.path[0]) > 1e9 || std::abs(c.path[3]) > 1e9)
       fail_reading(path, "its memory of the path makes no sense");

@@ -7,6 +7,7 @@
 #include <complex>
 #include <numbers>
 
+#include "base/frequency_unit.hpp"
 #include "base/interrupt.hpp"
 #include "base/mpi.hpp"
 #include "base/text.hpp"
@@ -110,7 +111,7 @@ class Run {
         observer_(c, place_, forces_),
         fields_(place_, forces_) {
     mpi::on_root(model.dofs().comm(), [&] {
-      table_.emplace(options.output, input::frequency_column(c.units), observer_.probes().vibrating(), excitation_.base,
+      table_.emplace(options.output, frequency_column(c.units.time), observer_.probes().vibrating(), excitation_.base,
                      is_random());
     });
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/frequency_unit.hpp"
 #include "base/interrupt.hpp"
 #include "base/mpi.hpp"
 #include "excitation.hpp"
@@ -114,7 +115,7 @@ std::vector<std::vector<double>> write_modes(const input::Case& c, const record:
     const mesh::Partition& p = model.dofs().partition();
     fields.emplace(options.output / "modes", results::ObstacleTriangles{}, units.label("m"));
     fields->begin_epoch(model.dofs().mesh(), p.vertex_rank, p.triangle_rank);
-    std::vector<std::string> columns{"mode", vibration ? input::frequency_column(c.units) : "critical_load_factor",
+    std::vector<std::string> columns{"mode", vibration ? frequency_column(c.units.time) : "critical_load_factor",
                                      "eigenvalue", "residual", "estimated_error"};
     for (std::string& name : vibration ? participation_columns() : std::vector<std::string>{})
       columns.push_back(std::move(name));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "base/decompositions.hpp"
 #include "mesh/border.hpp"
@@ -164,13 +165,12 @@ Mat3 support_axes(const mesh::SurfaceMesh& mesh, const Support& support, Index v
 /// The slopes round a clamped surface, where the sheet ends there: not in the mesh of a remeshed run.
 void add_border(const mesh::SurfaceMesh& mesh, const mesh::Group& group, int turned_by, Constraints& result) {
   const std::vector<mesh::Segment> border = mesh::inner_border(mesh, group);
+  std::set<std::pair<Index, int>> held;
+  for (const mesh::MirrorSide& m : result.mirrors) held.emplace(m.triangle, m.side);
   for (const mesh::Joint& joint : mesh.joints()) {
-    if (std::find(border.begin(), border.end(), joint.edge) == border.end()) continue;
+    if (!std::ranges::binary_search(border, joint.edge)) continue;
     for (const mesh::TriangleSide& side : joint.sides) {
-      const auto is_here = [&](const mesh::MirrorSide& m) {
-        return m.triangle == side.triangle && m.side == side.side;
-      };
-      if (std::any_of(result.mirrors.begin(), result.mirrors.end(), is_here)) continue;
+      if (!held.emplace(side.triangle, side.side).second) continue;
       const Vec3 normal = mesh.start_normal(side.triangle);
       result.mirrors.push_back({side.triangle, side.side, 2.0 * normal * normal.transpose() - Mat3::Identity()});
       result.turned_by.push_back(turned_by);
