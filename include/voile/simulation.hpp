@@ -97,7 +97,8 @@ class VOILE_API Simulation {
   bool run();
   /// Whether the end of the case is reached, or nothing more can be done. Not collective.
   [[nodiscard]] bool finished() const;
-  /// Whether the end was reached as the case asks for. Of modal and buckling analyses, after run(). Not collective.
+  /// Whether the end was reached as the case asks for, where `voile run` ends with code 0: not at an unstable equilibrium. Of
+  /// modal and buckling analyses, after run(). Not collective.
   [[nodiscard]] bool converged() const;
   /// Why not; empty so far. Not collective.
   [[nodiscard]] std::string reason() const;

@@ -233,7 +233,8 @@ void declare_steps(py::class_<Held>& c) {
       .def_property_readonly(
           "finished", [](Held& s) { return s->finished(); }, "Whether the end is reached, or nothing more can be done.")
       .def_property_readonly(
-          "converged", [](Held& s) { return s->converged(); }, "Whether the end was reached as the case asks for.")
+          "converged", [](Held& s) { return s->converged(); },
+          "Whether the end was reached as the case asks for: where `voile run` ends with code 0.")
       .def_property_readonly(
           "reason", [](Held& s) { return s->reason(); }, "Why it has not converged.")
       .def_property_readonly(

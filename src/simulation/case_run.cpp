@@ -163,9 +163,17 @@ Exit CaseRun::finish() {
   if (summaries_.size() == number_) end_stage();
   if (!case_.stages.empty() && !options_.output.empty())
     mpi::on_root(options_.comm, [&] { record::write_stages(options_.output, summaries_, stages_.size()); });
-  const bool done = summaries_.size() == stages_.size() && summaries_.back().second.converged;
+  return outcome();
+}
+
+Exit CaseRun::outcome() const {
+  const bool has_ended = summaries_.size() > number_;
+  const bool done =
+      number_ + 1 == stages_.size() && (has_ended ? summaries_.back().second.converged : stage().all().completed);
   if (!done) return Exit::not_converged;
-  const auto moves = [](const auto& stage) { return !stage.second.keeps_state || stage.second.unstable; };
+  if (!has_ended && stage().ends_unstable()) return Exit::unstable;
+  if (!has_ended && !stage().stage().c.finds_modes()) return Exit::done;
+  const auto moves = [](const auto& ended) { return !ended.second.keeps_state || ended.second.unstable; };
   const auto last = std::find_if(summaries_.rbegin(), summaries_.rend(), moves);
   return last != summaries_.rend() && last->second.unstable ? Exit::unstable : Exit::done;
 }

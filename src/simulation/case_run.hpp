@@ -41,6 +41,8 @@ class CaseRun {
   [[nodiscard]] bool finished() const;
   /// Ends the run: what it came to is written and said. Once, after finished(). Collective.
   [[nodiscard]] Exit finish();
+  /// With what the program would end now. Throws UserError after the next stage has failed to begin.
+  [[nodiscard]] Exit outcome() const;
 
   /// Collective.
   [[nodiscard]] Saved save() const;

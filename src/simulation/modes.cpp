@@ -196,6 +196,11 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
   if (root && result.lower > 0)
     fmt::print(stderr, "voile: warning: {} mode(s) lie below those listed, which are the nearest to -eps_target\n",
                result.lower);
+  if (root && result.negative > 0)
+    fmt::print(stderr,
+               "voile: warning: the equilibrium is unstable: {} mode(s) grow, and have their rate as a negative "
+               "frequency\n",
+               result.negative);
   summary.converged = static_cast<int>(result.modes.size()) >= result.asked_for;
   if (!summary.converged)
     summary.reason = fmt::format("{} of {} modes found{}", result.modes.size(), result.asked_for,

@@ -85,7 +85,9 @@ Step Simulation::Impl::step(double until) {
 std::string Simulation::Impl::reason() const {
   const auto& ended = run->summaries();
   if (!ended.empty() && !ended.back().second.converged) return ended.back().second.reason;
-  return run->finished() ? run->stage().all().reason : "";
+  if (!run->finished()) return "";
+  if (run->outcome() == Exit::unstable) return "the last state is an unstable equilibrium";
+  return run->stage().all().reason;
 }
 
 std::vector<double> Simulation::Impl::gathered(Vec v, bool is_change) const {
@@ -139,9 +141,7 @@ bool Simulation::finished() const {
 
 bool Simulation::converged() const {
   (void)impl_->run->stage();
-  const auto& ended = impl_->run->summaries();
-  if (impl_->closed || (!ended.empty() && !ended.back().second.converged)) return ended.back().second.converged;
-  return finished() && impl_->run->stage().all().completed;
+  return finished() && impl_->run->outcome() == Exit::done;
 }
 
 std::string Simulation::reason() const {

@@ -43,9 +43,6 @@ record::Summary summary_of(const solve::RunStatistics& all, const system::State&
   if (c.analysis == input::Analysis::dynamic) s.balance = state.balance;
   s.negative_pivots = all.newton.negative_pivots;
   s.eigenvalue = all.eigenvalue;
-  // Path following goes along unstable branches on purpose.
-  s.unstable = c.analysis == input::Analysis::statics && c.steps.control == solve::StaticOptions::Control::load &&
-               s.converged && s.negative_pivots > 0;
   s.keeps_state = c.finds_modes();
   s.residual = all.newton.residual;
   s.unknowns = model.dofs().unknowns();
@@ -233,6 +230,13 @@ void StageRun::restore(const Saved& saved) {
   done_ = saved.done;
 }
 
+// Path following goes along unstable branches on purpose.
+bool StageRun::ends_unstable() const {
+  const input::Case& c = stage_.c;
+  return c.analysis == input::Analysis::statics && c.steps.control == solve::StaticOptions::Control::load &&
+         all_.completed && all_.newton.negative_pivots > 0;
+}
+
 record::Summary StageRun::end() {
   const input::Case& c = stage_.c;
   system::Model& model = epoch_->model();
@@ -244,6 +248,7 @@ record::Summary StageRun::end() {
     all_.completed = all_.reason.empty();
   }
   record::Summary summary = summary_of(all_, state, c, model);
+  summary.unstable = ends_unstable();
   if (all_.interrupted && c.analysis == input::Analysis::dynamic)
     summary.reason = checkpoints_.file().empty()
                          ? all_.reason

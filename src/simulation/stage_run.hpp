@@ -47,6 +47,8 @@ class StageRun {
   solve::StepResult advance(double until = std::numeric_limits<double>::infinity());
   /// Whether the end is reached, or nothing more can be done.
   [[nodiscard]] bool done() const { return done_; }
+  /// Whether load control has ended in an unstable equilibrium.
+  [[nodiscard]] bool ends_unstable() const;
   /// Ends the stage: checkpoint, modes, the last words, summary.json. Once. Collective.
   [[nodiscard]] record::Summary end();
 

@@ -338,10 +338,12 @@ EigenResult vibration_modes(system::Model& model, Vec a, int count, Mat mass) {
   EigenResult result = modes_from(model, mass, count, target, below);
   if (below > 0) {
     // An unstable state: what is nearest to zero is not lowest.
+    const long negative = below;
     const double lowest = result.modes.empty() ? target : std::min(target, result.modes.front().eigenvalue);
     target = lowest;
     for (int k = 0; below != 0 && k < most_targets; ++k) below = negative_of(model, target *= target_factor, mass);
     result = modes_from(model, mass, count, target, below);
+    result.negative = negative;
   }
   for (Mode& mode : result.modes)
     mode.value = std::copysign(std::sqrt(std::abs(mode.eigenvalue)), mode.eigenvalue) / (2.0 * std::numbers::pi);
@@ -368,7 +370,8 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
         "and "
         "those of earlier stages do not, and supports that stop all rigid motions");
   if (linear.negative_eigenvalues() > 0)
-    throw UserError("the equilibrium is unstable already; choose a lower [eigen] load_factor");
+    throw UserError(
+        "the equilibrium is unstable already; choose a lower eigen.load_factor, or begin at an earlier state");
   const petsc::MatHandle change = load_stiffness(model, a, load_solution);
   VOILE_PETSC(MatScale(change, -1.0));
   const EpsHandle eps = create(model, change, model.tangent().matrix(), count);

@@ -38,6 +38,7 @@ struct EigenResult {
   int asked_for = 0;  ///< options may ask for another number than the caller
   long missed = 0;    ///< modes that are there before the last, by Sylvester's law, and have not been found
   long lower = 0;     ///< modes below the first that -eps_target leaves out
+  long negative = 0;  ///< modes of vibration that grow: the equilibrium is unstable
 };
 
 /// M, with zero rows where the displacement is fixed. [kg]

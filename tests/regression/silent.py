@@ -209,6 +209,7 @@ def said_lowest_modes(report):
     for ranks, count in ((1, 1), (2, 8)):
         done = solve("said_lowest", case | {"eigen": {"modes": count, "load_factor": 1.0}}, ranks)
         values = np.loadtxt(done.folder / "modes.csv", delimiter=",", skiprows=1, ndmin=2)[:, 2]
+        report.check(f"{sum(np.array(exact) < 0)} mode(s) grow" in done.text, "the equilibrium is said to be unstable")
         report.percent(values[0] / exact[0], 0.2, f"{count} mode(s) on {ranks} rank(s): the lowest eigenvalue, {values[0]:.4g} 1/s^2")
         if count == 8:
             report.check(sum(values < 0) == sum(np.array(exact) < 0) == done.history["negative_pivots"][-1], f"{sum(values < 0)} are negative")

@@ -82,4 +82,19 @@ TEST_CASE("files are written where a folder is named, and nowhere else") {
   });
 }
 
+TEST_CASE("what ends in an unstable equilibrium has not converged, as the program ends with code 5") {
+  Case straight = strip("static");
+  for (const double force : {-1.0, -3.0}) {  // pi^2 D/4 = 2.06 N/m is Euler's
+    straight.set("load.0.vector", {force, 0, 0});
+    Simulation at_once(PETSC_COMM_WORLD, straight), by_steps(PETSC_COMM_WORLD, straight);
+    const bool stable = force > -2.0;
+    CHECK(at_once.run() == stable);
+    CHECK(at_once.reason().empty() == stable);
+    CHECK(!by_steps.converged());
+    while (!by_steps.finished()) CHECK(by_steps.advance().accepted);
+    CHECK(by_steps.converged() == stable);
+    CHECK(by_steps.reason() == at_once.reason());
+  }
+}
+
 }  // namespace voile::test_mistakes
