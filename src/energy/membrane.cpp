@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "curvature.hpp"
 
@@ -77,6 +79,36 @@ std::array<Index, MembraneTerm::nodes> MembraneTerm::stencil_of(const Sheet& she
   return points;
 }
 
+namespace {
+
+constexpr double same_membrane = 0.05;  ///< relative difference up to which strain is averaged across a side
+
+/// Whether the membrane or its natural strain differs across side s of t, so that the strain jumps there: a mean of both sides is
+/// the strain of neither.
+bool strain_jumps(const Sheet& sheet, Index t, int s) {
+  const Index other = sheet.mesh().neighbour(t, s);
+  if (sheet.options().membrane != MembraneOperator::six_node_corrected || other == no_index ||
+      sheet.material_index(t) == sheet.material_index(other))
+    return false;
+  const mesh::Frame here = sheet.frame(t), there = sheet.frame(other);
+  const int so = sheet.mesh().side_in_neighbour(t, s);
+  const auto along = [&](Index of, const mesh::Frame& frame, int side) {
+    const auto& p = sheet.patches().patch(of, frame).coordinates;
+    const Vec2 e = p[static_cast<std::size_t>((side + 2) % 3)] - p[static_cast<std::size_t>((side + 1) % 3)];
+    return std::atan2(e.y(), e.x());
+  };
+  const double turn = along(t, here, s) - along(other, there, so) - std::numbers::pi;
+  const Material &mine = sheet.material(t), &theirs = sheet.material(other);
+  const Mat3 seen = rotated_stiffness(theirs.membrane, turn);
+  const auto differs = [&](const Vec3& a, const Vec3& b) {
+    return (a - rotated_strain(b, turn)).norm() > same_membrane * std::max(a.norm(), b.norm());
+  };
+  return (seen - mine.membrane).norm() > same_membrane * std::max(seen.norm(), mine.membrane.norm()) ||
+         differs(mine.initial_strain, theirs.initial_strain) || differs(mine.expansion, theirs.expansion);
+}
+
+}  // namespace
+
 MembraneTerm::Element MembraneTerm::element_of(const Sheet& sheet, Index t) {
   const mesh::Frame frame = sheet.frame(t);
   const mesh::Patch patch = sheet.patches().patch(t, frame);
@@ -88,7 +120,7 @@ MembraneTerm::Element MembraneTerm::element_of(const Sheet& sheet, Index t) {
   for (int s = 0; s < 3; ++s) {
     SideWeights& d = el.side[s];
     for (int alpha = 0; alpha < 2; ++alpha) d[alpha] = {el.own[alpha][0], el.own[alpha][1], el.own[alpha][2], 0.0};
-    if (patch.points[3 + s] == no_index || sheet.is_crease(t, s)) continue;
+    if (patch.points[3 + s] == no_index || sheet.is_crease(t, s) || strain_jumps(sheet, t, s)) continue;
     const int a = (s + 1) % 3, b = (s + 2) % 3;
     // The neighbour's gradient belongs to its own rest shape, the patch has this `stretch` times as long.
     const double stretch = patch.stretch[s];

@@ -477,6 +477,30 @@ def stiffness_jumps(report):
 
 
 @test
+def membrane_jumps(report):
+    """Constant forces through borders of materials: each side has its own strain, not the mean of both, on any mesh."""
+    def pulled(band, analysis, load):
+        case = jump_case(1.0, 10, 0.25, analysis)
+        del case["eigen"]
+        common = {**case["material"][1], "membrane": np.diag([1e8, 2e7, 4e7]).tolist(), "bending": np.diag([1e-5] * 3).tolist()}
+        case["material"] = [{**common, "groups": ["root", "tip"]}, {**common, "groups": ["band"], **band}]
+        case["load"][0]["vector"], case["probe"][0]["components"] = [load, 0, 0], ["x"]
+        return case
+
+    def stretch(natural):  # of 1e8 N/m under 1e4 N/m, from its natural length
+        return max(np.roots([0.5, 0, -0.5 * natural**2, -1e-4]).real)
+
+    soft, turned = {"membrane": np.diag([1e7, 1e7, 4e6]).tolist()}, {"direction": [0.0, 1.0, 0.0]}
+    for name, case, exact in (("a tenth as stiff", pulled(soft, "linear", 1.0), 9 / 1e8 + 1 / 1e7),
+                              ("turned by 90 degrees", pulled(turned, "linear", 1.0), 9 / 1e8 + 1 / 2e7),
+                              ("shrunk", pulled({"initial_strain": [-3e-3, 0, 0]}, "static", 1e4), 9 * stretch(1.0) + stretch(0.997) - 10)):
+        for ranks in (1, 2):
+            moved = solve("membrane_jump", case, ranks).history["tip_x"][-1]
+            # The correction of chords takes the kink of a line across the border for a bend: of second order in the jump of strain.
+            report.below(abs(moved / exact - 1), 1e-4 if name == "shrunk" else 1e-6, f"a band {name}, {ranks} rank(s)")
+
+
+@test
 def corrected_roll(report):
     """Twelve cells rolled into a circle: without the term of fourth order in the curvature -u is 8 % too small."""
     case = base("cantilever_moment", mesh__parameters__nx=12, mesh__parameters__ny=1, mesh__parameters__pattern=0)
