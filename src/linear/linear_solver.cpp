@@ -256,7 +256,7 @@ double LinearSolver::part_left(Vec rhs, Vec x) const {
 }
 
 void LinearSolver::check_solution(Vec rhs, Vec x) {
-  solved_ = trusted_ || part_left(rhs, x) <= left_unsolved;
+  solved_ = (trusted_ && change().empty()) || part_left(rhs, x) <= left_unsolved;
 }
 
 bool LinearSolver::solve_to(double most_left, Vec rhs, Vec x) {

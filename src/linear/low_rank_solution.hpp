@@ -22,8 +22,12 @@ class LowRankSolution {
   [[nodiscard]] long more_negative(const system::LowRankChange& change) const;
 
  private:
+  /// S in those units.
+  [[nodiscard]] Eigen::MatrixXd weights_of(const system::LowRankChange& change) const;
+
   std::vector<petsc::VecHandle> z_;
-  Eigen::MatrixXd g_;
+  Eigen::VectorXd unit_;  ///< of the columns: root of the diagonal of G
+  Eigen::MatrixXd g_;     ///< in these units
   bool ready_ = false;
 };
 

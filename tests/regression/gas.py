@@ -375,6 +375,24 @@ def gas_behind_a_rim(report):
             report.check(("note: [[load]] of type \"gas\": its rim moves" in done.text) != held, f"{analysis}, a rim that is {'held' if held else 'loose'}")
 
 
+@test
+def gas_of_any_size(report):
+    """A sheet on one held edge above a gas, whose rim moves with it, is alike at every size: a hundred microns, and a fifth of a metre."""
+    found = {}
+    for side in (0.2, 2e-4, 1e-4):
+        case = {"analysis": "static", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": side, "n": 8}},
+                "material": [{"type": "isotropic", "young": 1e9, "poisson": 0.3, "thickness": side / 200, "density": 1000.0}],
+                "support": [{"type": "clamped", "group": "left"}],
+                "load": [{"type": "gas", "magnitude": 100.0, "ambient": 1e5, "exponent": 1.4, "added_volume": 1.25 * side**3},
+                         {"type": "area", "vector": [0, 0, 2000.0]}],
+                "probe": [{"name": "tip", "type": "displacement", "group": "right", "components": ["z"]}]}
+        done = solve("gas_of_any_size", case)
+        found[side] = np.array([done.history["tip_z"][-1] / side, done.history["gas_pressure"][-1]])
+        report.check(done.history["negative_pivots"][-1] == 0, f"{side} m: stable")
+    for side in (2e-4, 1e-4):
+        report.below(np.abs(found[side] / found[0.2] - 1).max(), 1e-7, f"{side} m: as at 0.2 m, {found[side]}")
+
+
 def pane(**more):
     """A stiff square plate of 1 m and 1 kg that hangs from its upper edge, in the plane x = 0."""
     p = Panels()
