@@ -15,6 +15,7 @@ struct KernelState {
   const double* u = nullptr;         ///< displacements [m]
   const double* previous = nullptr;  ///< positions of the previous iterate; null unless the stress is linearised
   bool positive = false;             ///< the tangent is to have no negative part
+  const double *stress_x = nullptr, *stress_u = nullptr;  ///< where the stress is wanted; null: there
 };
 
 /// Which strains a membrane element has; see membrane.hpp. Samples 0 to 2 are the sides, 3 is the triangle alone.

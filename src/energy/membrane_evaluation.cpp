@@ -9,6 +9,8 @@ namespace voile::energy {
 namespace {
 
 KernelState state_of(const Configuration& c) {
+  if (c.tangent == Tangent::stress_alone)
+    return {coordinates(c.previous), coordinates(c.previous_u), nullptr, false, coordinates(c.x), coordinates(c.u)};
   const bool linearised = c.tangent == Tangent::linearised_stress && c.previous;
   return {coordinates(c.x), coordinates(c.u), linearised ? coordinates(c.previous) : nullptr,
           c.tangent == Tangent::positive};

@@ -44,6 +44,15 @@ VOILE_INLINE void linearise(const MembraneShape& shape, const MembraneBatch& bat
   }
 }
 
+/// The strains of another state.
+VOILE_APART void strains_at(const MembraneShape& shape, const MembraneBatch& batch, int lane, const KernelState& state,
+                            Real (&strain)[3][3]) {
+  Strained there;
+  strain_lanes(shape, batch, lane, state, there);
+  for (int g = 0; g < 3; ++g)
+    for (int r = 0; r < 3; ++r) strain[g][r] = there.samples.strain[g][r];
+}
+
 /// What the blocks of a group of triangles are made of.
 struct TangentParts {
   static constexpr int most_vectors = 9;
@@ -297,6 +306,7 @@ VOILE_APART void tangent_of(const MembraneShape& shape, const MembraneBatch& bat
     vectors_at_six(shape, f, s.samples, l, t);
     Samples at = s.samples;
     if (state.previous) linearise(shape, batch, lane, state, s, at.strain);
+    if (state.stress_x) strains_at(shape, batch, lane, {state.stress_x, state.stress_u}, at.strain);
     stresses_of<laws>(shape, batch, lane, plain, {s.samples.strain, at.strain}, stress);
     if (shape.corrected) {
       vectors_of_bends(batch, lane, s, l, t);

@@ -20,15 +20,17 @@ namespace voile::energy {
 enum class Tangent {
   exact,              ///< second derivative of the energy
   linearised_stress,  ///< C:(E(x_k) + B(x_k) dx) of the previous iterate x_k ("mixed integration point" tangent)
-  positive            ///< stress projected to its tensile part: never indefinite
+  positive,           ///< stress projected to its tensile part: never indefinite
+  stress_alone  ///< of membranes the one at x_k with the stress at x: that of x and x_k differ by what stress stiffens
 };
 
 /// Current configuration of the local points.
 struct Configuration {
   const Vec3* x = nullptr;         ///< current positions [m]
   const Vec3* u = nullptr;         ///< displacements from rest [m], free of the round-off of x - X
-  const Vec3* previous = nullptr;  ///< positions of the previous iterate, for Tangent::linearised_stress, or null
+  const Vec3* previous = nullptr;  ///< positions x_k, for Tangent::linearised_stress and Tangent::stress_alone, or null
   Tangent tangent = Tangent::exact;
+  const Vec3* previous_u = nullptr;  ///< displacements there, for Tangent::stress_alone
 };
 
 }  // namespace voile::energy

@@ -4,10 +4,8 @@
 //             x_f = K^-1 f, f = -dr/dlambda
 // Vibration   K phi = omega^2 M phi;  frequency = omega/(2 pi), from the smallest omega^2 up (negative: unstable, then
 //             the frequency is given as negative: -sqrt(-omega^2)/(2 pi))
-// Buckling    (K + mu K') phi = 0,  K' = d/dmu K(a + mu x_f, lambda + mu),  critical load factor lambda + mu, from the
-//             smallest mu > 0 up; solved as -K' phi = (1/mu) K phi, so that only K is factored. K' is a central
-//             difference, exact but for round-off where K is quadratic in a (membrane) or constant (bending of a flat
-//             rest shape).
+// Buckling    (K + mu K') phi = 0,  K' what the load changes of K (load_stiffness.hpp),  critical load factor lambda + mu, from
+//             the smallest mu > 0 up; solved as -K' phi = (1/mu) K phi, so that only K is factored.
 // Sylvester's law counts the modes before the last one found; what is missing of equal eigenvalues is looked for.
 // About an unstable state the target of the spectral transformation falls until no eigenvalue is below it (Sylvester); with loads
 // that follow without a potential, the modes nearest to omega^2 = 0 are found.

@@ -133,7 +133,7 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   if (request.previous) dofs().update_points(request.previous, previous_u_, previous_x_);
   energy::Configuration c = potential_->configuration(a);
   c.tangent = request.kind;
-  if (request.previous) c.previous = previous_x_.data();
+  if (request.previous) c.previous = previous_x_.data(), c.previous_u = previous_u_.data();
   const BlockMatrix::Values values = tangent.open();
   const int pattern = tangent_.pattern_version();
   potential_->write_tangent(c, tangent, pattern, values, request.bending);
@@ -143,7 +143,7 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   else
     tangent_.change().clear();
   if (!dofs().motions().empty() && request.loads)
-    conditions_->add_body_blocks(c, potential_->point_forces(c), tangent, values);
+    conditions_->add_body_blocks(c, potential_->point_forces(potential_->configuration(a)), tangent, values);
   else if (!dofs().motions().empty())
     conditions_->add_free_body_blocks(tangent, values);
   if (request.extra) request.extra->add_blocks(c, dofs(), tangent, pattern, values);

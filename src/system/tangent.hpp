@@ -16,7 +16,7 @@ class Term;
 /// What a tangent is made of besides the membrane and the follower loads.
 struct TangentRequest {
   energy::Tangent kind = energy::Tangent::exact;
-  Vec previous = nullptr;                    ///< previous iterate for Tangent::linearised_stress; may be null
+  Vec previous = nullptr;                    ///< x_k of energy::Tangent; may be null
   double bending = 1.0;                      ///< factor on the constant bending stiffness
   double damping = 0.0;                      ///< factor on the materials' own damping of bending [1/s]
   double mass = 0.0;                         ///< factor on the mass [1/s^2]

@@ -8,7 +8,9 @@ from common import fresh, strip
 from harness import OUT, solve, test
 from hinges import strip as folded
 from hinges import strip_case
+from meshing import strip_cells
 from panels import Panels
+from shapes import write_msh
 from solver import ROOT, invoke, run, variant, write_case
 
 CURVE = """
@@ -213,6 +215,28 @@ def said_lowest_modes(report):
         report.percent(values[0] / exact[0], 0.2, f"{count} mode(s) on {ranks} rank(s): the lowest eigenvalue, {values[0]:.4g} 1/s^2")
         if count == 8:
             report.check(sum(values < 0) == sum(np.array(exact) < 0) == done.history["negative_pivots"][-1], f"{sum(values < 0)} are negative")
+
+
+@test
+def said_buckling(report):
+    """Linear buckling is by the stress that a load makes: what bends before it buckles has no modes below those of its path."""
+    rise, span, n = 0.03, 0.4, 40
+    arch = OUT / "said_arch.msh"
+    points, cells = strip_cells(n, 8, span, 0.1, 0.0)
+    points[:, 2] = rise * np.sin(math.pi * points[:, 0] / span)  # on which an even load bends
+    sides = [(name, 1, [(j * (n + 1) + i, (j + 1) * (n + 1) + i) for j in range(8)]) for name, i in (("left", 0), ("right", n))]
+    write_msh(arch, points, [*sides, ("arch", 2, np.array(cells))])
+    case = {"analysis": "static", "mesh": {"file": str(arch)}, "material": [{"type": "isotropic", "young": 7e10, "poisson": 0.3, "thickness": 1e-3}],
+            "support": [{"type": "hinged", "group": ["left", "right"]}], "load": [{"type": "area", "vector": [0, 0, -5e3]}],
+            "steps": {"control": "arc_length", "initial_step": 0.05, "max_step": 0.1, "final_load_factor": 1.0, "at_critical_point": "stop"}}
+    path = solve("said_arch_path", case)
+    first = path.summary["critical_points"][0]["load_factor"]
+    for start, limit in ((0.0, 0.04), (0.9 * first, 0.002)):
+        linear = solve("said_arch", case | {"analysis": "buckling", "eigen": {"modes": 1, "load_factor": start}, "steps": {}})
+        report.percent(linear.summary["eigenvalues"][0] / first, limit, f"shallow arch from a factor of {start:.3g}: of its path's {first:.4g}")
+    bent = strip("buckling", load=[{"type": "line", "group": "tip", "vector": [0, 0, 0.4]}], eigen={"modes": 2})
+    done = run(write_case(bent, OUT / "said_bent.toml"), fresh("said_bent"))
+    report.check(done.code == 3 and "0 of 2 modes found" in done.text, f"a cantilever that only bends: code {done.code}, {done.text[-200:]}")
 
 
 @test
