@@ -80,6 +80,7 @@ SquareToX square_to_x(const mesh::MeshData& mesh, const mesh::Group* group) {
     const Vec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
     const Vec3 normal = (b - a).cross(c - a).normalized();
     of.square += std::abs(normal[0]) >= alike ? 1 : 0;
+    of.normals.push_back(normal);
   }
   return of;
 }
@@ -102,6 +103,15 @@ DeckMaterial deck_material(const Deck& deck, const Deck::Section& s, const Squar
         "{} of {}: on {} of its {} triangles, square to x, material axis 1 is along z; give them a set and a "
         "section of their own",
         deck.words.section, s.elements, place.square, place.triangles));
+  const Eigen::Map<const Vec3> about(axes.about.data());
+  const auto against = static_cast<std::size_t>(
+      std::count_if(place.normals.begin(), place.normals.end(), [&](const Vec3& n) { return n.dot(about) < 0.0; }));
+  if (axes.angle != 0.0 && against > 0 && against < place.normals.size())
+    made.left.push_back(fmt::format(
+        "{} of {}: its orientation turns by {:g} degrees against the normals of {} of its {} triangles, with those of "
+        "the others; all are turned alike; give them a section of their own",
+        deck.words.section, s.elements, axes.angle, against, place.normals.size()));
+  if (2 * against > place.normals.size()) axes.angle = -axes.angle;
   made.text = fmt::format("\n[[material]]               # {}\n", printable(name));
   if (!m.rubber.empty()) {
     made.text += rubber_of(m) + fmt::format("thickness = {}\n", s.thickness);

@@ -16,6 +16,7 @@ struct DeckMaterial {
 /// Of triangles, how many there are, and of how many x is the normal to 0.1 degrees.
 struct SquareToX {
   std::size_t triangles = 0, square = 0;
+  std::vector<Vec3> normals{};
 };
 /// Names of sets are alike whatever their capitals.
 [[nodiscard]] bool same_name(const std::string& a, const std::string& b);

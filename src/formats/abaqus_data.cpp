@@ -113,7 +113,10 @@ void AbaqusDeckReader::orient(long normal) {
   const Vec3 z = x.cross(in_plane), y = z.cross(x);
   const Vec3 along = normal == 1 ? y.normalized() : normal == 2 ? z.normalized() : x.normalized();
   if (!(along.norm() > 0.5)) fail_in_line(file_, line_, "*ORIENTATION: the two points and the origin lie on one line");
-  deck_.orientations[abaqus_upper(parameters_["NAME"])].direction = {along[0], along[1], along[2]};
+  const Vec3 about = (normal == 1 ? Vec3(x) : normal == 2 ? y : z).normalized();
+  Deck::Orientation& axes = deck_.orientations[abaqus_upper(parameters_["NAME"])];
+  axes.direction = {along[0], along[1], along[2]};
+  axes.about = {about[0], about[1], about[2]};
 }
 
 void AbaqusDeckReader::take_support(const AbaqusWords& words) {

@@ -36,7 +36,8 @@ struct Deck {
   /// Of axis 1, before it is projected into the shell and turned about the normal.
   struct Orientation {
     std::array<double, 3> direction{};
-    double angle = 0.0;  ///< [degree]
+    double angle = 0.0;             ///< about `about`, by the right hand [degree]
+    std::array<double, 3> about{};  ///< the local axis along the normal, or against it
   };
   /// Of all lines on one set or node.
   struct Support {

@@ -160,3 +160,27 @@ def abaqus_loads(report):
         code, said, case = begin("abaqus_rubber", text.replace("*Temperature\nAll, 120.\n", ""))
         report.check(code == 0 and expected in case.read_text() and ("compressibility" in said) == ("1e-9" in constants)
                      and invoke(["check", case])[0] == 0, f"{law}: code {code}, {said[:120]}")
+
+
+@test
+def deck_orientations(report):
+    """The angle of *ORIENTATION turns about its local axis, which may point against the normal of the shell."""
+    def deck(name, elements, second_axis):
+        text = ["*NODE", "1, 0, 0, 0", "2, 1, 0, 0", "3, 1, 1, 0", "4, 0, 1, 0", "5, 2, 0, 0", "6, 2, 1, 0", "*ELEMENT, TYPE=S4, ELSET=ALL", *elements,
+                "*ORIENTATION, NAME=O", f"0, 1, 0, {second_axis}, 0, 0", "3, 30.", "*SHELL SECTION, COMPOSITE, ELSET=ALL, ORIENTATION=O",
+                "0.1, 3, M, 0.", "0.1, 3, M, 90.", "*MATERIAL, NAME=M", "*ELASTIC, TYPE=LAMINA", "1e5, 1e4, 0.3, 4e3, 4e3, 4e3", "*DENSITY", "1e-9",
+                "*STEP", "*FREQUENCY", "2", "*END STEP"]
+        file = OUT / f"{name}.inp"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text("\n".join(text) + "\n")
+        folder = fresh(name)
+        code, said = invoke(["init", folder, "--from", file])
+        angles = next((line for line in (folder / "case.toml").read_text().splitlines() if line.startswith("angles")), "") if code == 0 else said
+        return angles, said
+
+    alike, opposite = ["1, 1, 2, 3, 4", "2, 2, 5, 6, 3"], ["1, 1, 2, 3, 4", "2, 2, 3, 6, 5"]
+    # Axis 1 is y in both; the third is y x (-x) = z, along the normals, or -z.
+    report.check(deck("orientation_along", alike, -1)[0] == "angles = [30, 120]", f"along the normals: {deck('orientation_along', alike, -1)[0]}")
+    report.check(deck("orientation_against", alike, 1)[0] == "angles = [-30, 60]", f"against them: {deck('orientation_against', alike, 1)[0]}")
+    said = deck("orientation_mixed", opposite, -1)[1]
+    report.check("against the normals of 2 of its 4 triangles" in said, f"normals that differ are said: {said[-300:]}")
