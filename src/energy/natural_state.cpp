@@ -59,6 +59,8 @@ Material in_natural_frame(Material m) {
   m.yarns.area = stretch.determinant();
   m.rubber.natural = to_natural;
   m.rubber.area = m.yarns.area;
+  // The thickness of rubber is that of its natural state, and so is its volume; a fabric keeps the mass of what was cut.
+  if (m.rubber.any()) m.areal_density *= m.rubber.area;
   m.membrane = m.yarns.area * (to_natural.transpose() * m.membrane * to_natural);
   return m;
 }
