@@ -51,6 +51,8 @@ class Contact {
   /// options.settle_time. A point whose contact force is balanced by other forces keeps its full barrier: where
   /// `residual`, the static residual at a (model.hpp) [N], is less than half of the contact force. Collective.
   void begin_settling(Vec a, Vec residual, double time);
+  /// What barriers at state a have gained since time `before` because they grow. Collective. [J]
+  [[nodiscard]] double grown_since(Vec a, double before);
 
   /// Energy of contact and friction, the same on every rank; infinite if something touches. Collective. [J]
   [[nodiscard]] double energy(Vec a, contact::ContactSet::Part part = contact::ContactSet::both);

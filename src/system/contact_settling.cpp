@@ -54,6 +54,15 @@ void Contact::begin_settling(Vec a, Vec residual, double time) {
   }
 }
 
+double Contact::grown_since(Vec a, double before) {
+  if (memory_.gaps.empty() || before >= memory_.start + scene_.input().options.settle_time) return 0.0;
+  const double now = energy(a, contact::ContactSet::normal);
+  scene_.set().set_reaches(reaches_at(scene_, memory_, before));
+  const double then = energy(a, contact::ContactSet::normal);
+  settle(scene_, memory_);
+  return now - then;
+}
+
 void Contact::restore(ContactMemory memory) {
   memory_ = std::move(memory);
   forget_absent(scene_, memory_);
