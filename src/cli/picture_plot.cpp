@@ -9,6 +9,7 @@
 
 #include "base/text.hpp"
 #include "input/expression.hpp"
+#include "picture/recording.hpp"
 #include "picture_words.hpp"
 #include "record/history_columns.hpp"
 #include "voile/errors.hpp"
@@ -116,9 +117,11 @@ void PlotCommand::choose_columns(const picture::Table& table, std::vector<std::s
 void PlotCommand::add_runs() {
   const std::vector<std::string> labels = words_of(labels_, '/');
   std::vector<std::string> x, y;
+  std::string unit;
   for (std::size_t i = 0; i < results_.size(); ++i) {
     const picture::Table table = picture::read_table(results_[i]);
     if (i == 0) choose_columns(table, x, y);
+    if (i == 0) unit = picture::time_unit_in(fs::absolute(table.file).parent_path()).name;
     const std::string run = i < labels.size() ? labels[i] : fs::absolute(table.file).parent_path().filename().string();
     for (std::size_t k = 0; k < std::max(x.size(), y.size()); ++k) {
       const std::string &of_x = x[x.size() > 1 ? k : 0], &of_y = y[y.size() > 1 ? k : 0];
@@ -130,7 +133,8 @@ void PlotCommand::add_runs() {
           {label, values_of(table, of_x), values_of(table, of_y), picture::Stroke::line, plot_.curves.size()});
     }
   }
-  if (plot_.x.label.empty() && x.size() == 1) plot_.x.label = x.front() == "time" ? "time [s]" : x.front();
+  if (plot_.x.label.empty() && x.size() == 1)
+    plot_.x.label = x.front() == "time" ? fmt::format("time [{}]", unit) : x.front();
   if (plot_.y.label.empty() && y.size() == 1) plot_.y.label = y.front();
 }
 

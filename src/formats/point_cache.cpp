@@ -56,19 +56,24 @@ class Frames {
 
 // -------------------------------------------------------------------------------------------------------- PC2 and MDD
 
+/// How files count time.
+struct Clock {
+  double frames_per_second, second;
+};
+
 /// Frames of three float32 per vertex, one after the other.
 class BinaryFrames : public Frames {
  public:
-  BinaryFrames(fs::path file, double frames_per_second, bool is_pc2)
+  BinaryFrames(fs::path file, const Clock& clock, bool is_pc2)
       : file_(std::move(file)), order_(is_pc2 ? std::endian::little : std::endian::big) {
     std::error_code error;
     length_ = fs::file_size(file_, error);
     if (error) fail(file_, "the file cannot be read; check its permissions");
     if (length_ == 0) fail(file_, "the file is empty; export it again");
     if (is_pc2)
-      read_pc2_header(frames_per_second);
+      read_pc2_header(clock.frames_per_second);
     else
-      read_mdd_header();
+      read_mdd_header(clock.second);
     for (std::size_t k = 0; k < times.size(); ++k) {
       if (!std::isfinite(times[k])) fail(file_, fmt::format("the time of frame {} is not finite", k));
       if (k > 0 && !(times[k] > times[k - 1]))
@@ -132,7 +137,7 @@ class BinaryFrames : public Frames {
     for (std::int32_t k = 0; k < frames; ++k) times.push_back((first + k * step) / frames_per_second);
   }
 
-  void read_mdd_header() {
+  void read_mdd_header(double second) {
     header_ = 8;
     if (length_ < header_) fail(file_, "the file is shorter than the header of MDD; export it again");
     const std::string counts = read_bytes(0, header_);
@@ -140,7 +145,7 @@ class BinaryFrames : public Frames {
     check_length(frames, decode<std::int32_t>(counts.data() + 4, order_), 4);
     const std::string bytes = read_bytes(header_, 4 * static_cast<std::size_t>(frames));
     header_ += bytes.size();
-    for (std::size_t k = 0; k < bytes.size(); k += 4) times.push_back(decode<float>(bytes.data() + k, order_));
+    for (std::size_t k = 0; k < bytes.size(); k += 4) times.push_back(second * decode<float>(bytes.data() + k, order_));
   }
 
   fs::path file_;
@@ -287,7 +292,8 @@ class ObjFrames : public Frames {
   std::int64_t last_ = 0;
 };
 
-std::unique_ptr<Frames> open_frames(const fs::path& file, double frames_per_second) {
+std::unique_ptr<Frames> open_frames(const fs::path& file, const Clock& clock) {
+  const double frames_per_second = clock.frames_per_second;
   if (!(frames_per_second > 0.0) || !std::isfinite(frames_per_second))
     fail(file, fmt::format("{} frames per second; give a positive number", frames_per_second));
   std::string extension = file.extension().string();
@@ -300,7 +306,7 @@ std::unique_ptr<Frames> open_frames(const fs::path& file, double frames_per_seco
   if (!fs::exists(file, ignored)) fail(file, "there is no such point cache");
   require_plain_file(file);
   if (!fs::is_regular_file(file, ignored)) fail(file, "this is not a file");
-  return std::make_unique<BinaryFrames>(file, frames_per_second, extension == ".pc2");
+  return std::make_unique<BinaryFrames>(file, clock, extension == ".pc2");
 }
 
 }  // namespace
@@ -326,8 +332,9 @@ struct PointCache::Impl {
   }
 };
 
-PointCache::PointCache(const fs::path& file, double frames_per_second) : impl_(std::make_unique<Impl>()) {
-  impl_->frames = open_frames(file, frames_per_second);
+PointCache::PointCache(const fs::path& file, double frames_per_second, double second)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->frames = open_frames(file, {frames_per_second, second});
   for (std::size_t k = 0; k < impl_->frames->times.size(); ++k) {
     const Positions &before = impl_->frame(k > 0 ? k - 1 : 0), &x = impl_->frame(k);
     Step step{static_cast<Index>(k) - 1};

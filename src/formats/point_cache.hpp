@@ -30,11 +30,12 @@ class PointCache {
   /// `file` is a .pc2, a .mdd, or a pattern for .obj files: either "name_%04d.obj", whose number (of at least four
   /// digits; %d: any) is the number of the frame, or "name_*.obj", whose files, ascending by the number that takes the
   /// place of the '*' (or by name, unless all are numbers), are the frames 0, 1, 2, ... The file's numbers are taken as
-  /// metres. `frames_per_second` applies to PC2 and OBJ; MDD has seconds.
+  /// metres. `frames_per_second` applies to PC2 and OBJ; MDD has seconds, of which one is `second` in the unit of
+  /// all times here.
   /// Throws UserError that names the file if it is missing, cut short, too long or of another kind, if values are not
   /// finite or times do not ascend, if files of a sequence differ in their number of vertices or
   /// in their faces, or if frames_per_second is not positive.
-  explicit PointCache(const std::filesystem::path& file, double frames_per_second = 24.0);
+  explicit PointCache(const std::filesystem::path& file, double frames_per_second = 24.0, double second = 1.0);
   ~PointCache();
   PointCache(PointCache&&) noexcept;
   PointCache& operator=(PointCache&&) noexcept;

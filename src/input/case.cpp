@@ -210,6 +210,7 @@ void read_contact(const CaseReader& reader, Case& c, const StagesBefore& before)
   const SectionPlace place = reader.read("contact", 0, keys_of(c.contact));
   read_all(reader, "obstacle", c.obstacles,
            [&](const SectionPlace& at, ObstacleSection& s) { read_obstacle(at, c, s); });
+  for (ObstacleSection& s : c.obstacles) s.second = UnitSystem(c.units).own_default(1.0, "s");
   read_all(reader, "landmark", c.landmarks,
            [&](const SectionPlace& at, const LandmarkSection& s) { check_landmark(at, c, s); });
   read_all(reader, "contact_rule", c.contact_rules, [](const SectionPlace&, const auto&) {});

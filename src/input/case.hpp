@@ -151,6 +151,7 @@ struct ObstacleSection {
   std::filesystem::path landmarks;  ///< names and coordinates of points of a mesh; empty: none
   std::filesystem::path frames;     ///< point cache of a deforming mesh; empty: none
   double frames_per_second = 25.0;
+  double second = 1.0;            ///< in which files count time, in the case's unit
   double frames_start = 0.0;      ///< time of the first frame [s]
   bool frames_loop = false;       ///< from the last frame on to the first
   double frames_smoothing = 0.0;  ///< time over which their mean is taken [s]

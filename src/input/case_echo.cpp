@@ -287,6 +287,25 @@ std::string echo_changes(const std::vector<Key>& keys, const std::vector<Key>& u
   return out;
 }
 
+/// The comments behind values name the units of the case.
+std::string with_units(const std::string& text, const UnitSystem& units) {
+  if (units.is_si()) return text;
+  const std::string begin = "  # [";
+  std::istringstream in(text);
+  std::string out;
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t at = line.rfind(begin);
+    if (at != std::string::npos && line.ends_with(']')) {
+      const std::string unit = line.substr(at + begin.size(), line.size() - at - begin.size() - 1);
+      // One that depends on a type or a group names several.
+      const bool one = unit.find(',') == std::string::npos && unit != "file unit";
+      line = line.substr(0, at) + (one ? begin + units.label(unit) + "]" : "");
+    }
+    out += line + "\n";
+  }
+  return out;
+}
+
 std::string echo_case(const Case& c) {
   if (!c.stages.empty())
     return "# The case with its stages; the folder of each has it with every value in force.\n" + c.staged_text;
@@ -341,7 +360,7 @@ std::string echo_case(const Case& c) {
   out += echo_all("probe", copy.probes);
   out += "\n[output]\n" + echo_keys(keys_of(copy.output));
   out += "\n[petsc]\n" + echo_keys(petsc_keys(copy));
-  return out;
+  return with_units(out, UnitSystem(copy.units));
 }
 
 std::string case_reference_markdown() {

@@ -350,6 +350,10 @@ void read_materials(const CaseReader& reader, Case& c) {
     energy::Material m;
     m.groups = in.groups;
     fill_direction(place, in, m);
+    const bool flat = !c.panels.empty() || c.mesh.options.rest == formats::RestShape::texture;
+    if (flat && m.direction && std::abs((*m.direction)[2]) > 1e-12 * m.direction->norm())
+      place.fail("direction",
+                 "pieces lie flat: [u, v, 0] in the axes of the pattern is needed, or texture_direction = [u, v]");
     if (in.type == MaterialInput::Type::fabric) in.fabric = fabric_file(place, "fabric", in.fabric);
     if (!in.interlining.empty()) in.interlining = fabric_file(place, "interlining", in.interlining);
     for (const char* key : {"interlining_angle", "interlining_distance", "interlining_bond"})

@@ -8,9 +8,7 @@ std::vector<Key> keys_of(ContactSection& s) {
   return {
       {.name = "distance",
        .slot = &o.distance,
-       .meaning =
-           "Gap below which surfaces push each other away. This and the other defaults of contact are in SI units: "
-           "give them all in another set.",
+       .meaning = "Gap below which surfaces push each other away.",
        .unit = "m",
        .range = positive},
       {.name = "stiffness",
@@ -188,7 +186,8 @@ std::vector<Key> keys_of(system::Attachment& s) {
            .meaning = "Force per displacement: of each vertex of points, per rest length of curves, per rest area of "
                       "surfaces, so that it does not depend on the mesh.",
            .unit = "points N/m, curves N/m^2, surfaces N/m^3",
-           .range = positive},
+           .range = positive,
+           .absent = "1e4 in SI units"},
           {.name = "hard",
            .slot = &s.hard,
            .meaning = "Whether they are exactly where the surface takes them, instead of springs: `stiffness` means "

@@ -10,6 +10,7 @@
 
 #include "base/length_unit.hpp"
 #include "base/text.hpp"
+#include "base/time_unit.hpp"
 #include "units.hpp"
 #include "voile/errors.hpp"
 
@@ -32,15 +33,13 @@ const std::vector<Named>& named_units() {
   static const std::vector<Named> all = [] {
     std::vector<Named> units;
     for (const LengthUnit& unit : length_units) units.push_back({unit.name, unit.metres, length});
+    for (const TimeUnit& unit : time_units) units.push_back({unit.name, unit.seconds, duration});
     const std::vector<Named> others{{"kg", 1.0, mass},
                                     {"g", 1e-3, mass},
                                     {"mg", 1e-6, mass},
                                     {"t", 1e3, mass},
                                     {"lb", pound, mass},
                                     {"oz", pound / 16.0, mass},
-                                    {"s", 1.0, duration},
-                                    {"ms", 1e-3, duration},
-                                    {"min", minute, duration},
                                     {"N", 1.0, force},
                                     {"mN", 1e-3, force},
                                     {"uN", 1e-6, force},

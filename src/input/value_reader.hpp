@@ -35,7 +35,7 @@ class ValueReader {
               const UnitSystem& units = {})
       : place_(place), key_(key), node_(node), unit_(unit_for(key.unit, type)), units_(units) {}
 
-  void operator()(double* x) const { *x = in_range(number(node_, number_hint())); }
+  void operator()(double* x) const { *x = measured_in_range(number(node_, number_hint())); }
   void operator()(const Degrees& x) const {
     *x.radians = in_range(number(node_, number_hint())) * (std::numbers::pi / 180.0);
   }
@@ -84,7 +84,7 @@ class ValueReader {
   void operator()(std::vector<double>* x) const {
     x->clear();
     for (const toml::node& item : array("a list of numbers"))
-      x->push_back(in_range(number(item, "a list of numbers is needed")));
+      x->push_back(measured_in_range(number(item, "a list of numbers is needed")));
   }
   void operator()(std::vector<int>* x) const { *x = axes(); }
   void operator()(std::array<bool, 3>* x) const {
@@ -143,9 +143,18 @@ class ValueReader {
       refuse(e.what());
     }
   }
-  [[nodiscard]] double in_range(double x) const {
-    if (!key_.range.contains(x))
-      refuse(fmt::format("must be {}{}", key_.range.text(), key_.unit.empty() ? "" : fmt::format(" [{}]", key_.unit)));
+  [[nodiscard]] double in_range(double x) const { return within(key_.range, x, key_.unit); }
+  /// Limits are in SI.
+  [[nodiscard]] double measured_in_range(double x) const {
+    if (units_.is_si() || unit_.empty()) return in_range(x);
+    Range own = key_.range;
+    for (double* limit : {&own.low, &own.high})
+      if (std::isfinite(*limit)) *limit = units_.own_default(*limit, unit_);
+    return within(own, x, units_.label(unit_));
+  }
+  [[nodiscard]] double within(const Range& range, double x, const std::string& unit) const {
+    if (!range.contains(x))
+      refuse(fmt::format("must be {}{}", range.text(), unit.empty() ? "" : fmt::format(" [{}]", unit)));
     return x;
   }
   [[nodiscard]] std::string text(const toml::node& node) const {

@@ -98,7 +98,7 @@ Exporter::Exporter(const Recording& recording, const std::vector<Moment>& moment
         moments_.back() = moment;
         continue;
       }
-      time += goes_on ? *now - *before : 1.0 / options.rate;
+      time += goes_on ? (*now - *before) * recording.time_unit().seconds : 1.0 / options.rate;
     }
     moments_.push_back(moment);
     times_.push_back(time);

@@ -79,7 +79,8 @@ Files export_msh(const Exporter& e) {
     ++meshes;
     write_mesh(out.stream(), e.snapshot(i).state.mesh->data);
     for (std::size_t frame = 0; frame == 0 || (i < e.size() && e.same_mesh(i)); ++frame, ++i)
-      for (const results::Field& f : e.fields(i)) write_field(out.stream(), f, e.time(i), frame);
+      for (const results::Field& f : e.fields(i))
+        write_field(out.stream(), f, e.time(i) / e.recording().time_unit().seconds, frame);
     out.finish(files);
   }
   return files;

@@ -48,11 +48,12 @@ void announce_cells(Arrays& arrays, const std::vector<mesh::Triangle>& triangles
   arrays.announce("UInt8", "types", 1, std::vector<std::uint8_t>(triangles.size(), vtk_triangle));
 }
 
-void write_vtu(std::ofstream& to, const Snapshot& s, const std::vector<results::Field>& fields) {
+/// `time` in the unit of the case, as lengths are.
+void write_vtu(std::ofstream& to, const Snapshot& s, const std::vector<results::Field>& fields, double time) {
   Arrays arrays(to);
   to << "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
         "<UnstructuredGrid>\n<FieldData>\n";
-  arrays.announce("Float64", "TimeValue", 1, std::vector<double>{s.time});
+  arrays.announce("Float64", "TimeValue", 1, std::vector<double>{time});
   fmt::print(to, "</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n",
              s.state.positions.size(), s.sheet.triangles.size());
   std::vector<double> places;
@@ -75,7 +76,7 @@ Files export_vtu(const Exporter& e) {
   Files files;
   for (std::size_t i = 0; i < e.size(); ++i) {
     OutFile out(e.frame_file(i));
-    write_vtu(out.stream(), e.snapshot(i), e.fields(i));
+    write_vtu(out.stream(), e.snapshot(i), e.fields(i), e.time(i) / e.recording().time_unit().seconds);
     out.finish(files);
   }
   return files;

@@ -64,6 +64,10 @@ SheetMaterial read_material(const toml::table& table) {
   return m;
 }
 
+const TimeUnit& unit_of_time(const toml::table& resolved_case) {
+  return time_unit_of(resolved_case["units"]["time"].value_or(std::string("s")));
+}
+
 /// first:last:stride; false: it is something else.
 bool parse_range(const std::string& text, int& first, int& last, int& stride) {
   char end = '\0';
@@ -74,6 +78,17 @@ bool parse_range(const std::string& text, int& first, int& last, int& stride) {
 }
 
 }  // namespace
+
+const TimeUnit& time_unit_in(const fs::path& folder) {
+  const fs::path own = folder / "resolved_case.toml", file = is_there(own) ? own : folder / ".." / own.filename();
+  if (!is_there(file)) return time_units.front();
+  try {
+    require_plain_file(file);
+    return unit_of_time(toml::parse_file(file.string()));
+  } catch (const toml::parse_error&) {
+    return time_units.front();
+  }
+}
 
 Recording::Recording(const fs::path& place, const Choice& choice) {
   std::error_code ignored;
@@ -147,6 +162,7 @@ void Recording::read_case(const fs::path& file, std::vector<std::string>& stages
         if (const toml::table* stage = node.as_table()) stages.push_back((*stage)["name"].value_or(std::string()));
     const double unit = metres_of(table["units"]["length"].value_or(std::string("m")));
     metres_ = unit > 0.0 ? unit : 1.0;
+    time_unit_ = unit_of_time(table);
     materials_.clear();
     if (const toml::array* list = table["material"].as_array())
       for (const toml::node& node : *list)
@@ -238,9 +254,11 @@ std::string Recording::caption(const Moment& moment) const {
                ? fmt::format("{}mode {}: load factor {:.4g}", stage, step.number, part.mode_values[i])
                : fmt::format("{}mode {}: {:.4g} {}", stage, step.number, part.mode_values[i], part.frequency_unit);
   }
-  if (part.run.has_field(*moment.step, "displacement_phase")) return fmt::format("{}{:.4g} Hz", stage, step.time);
+  if (part.run.has_field(*moment.step, "displacement_phase"))
+    return fmt::format("{}{:.4g} {}", stage, step.time,
+                       time_unit_.seconds == 1.0 ? "Hz" : fmt::format("1/{}", time_unit_.name));
   if (part.run.has_field(*moment.step, "displacement_rms")) return stage + "root mean square";
-  if (part.in_time) return fmt::format("{}t = {:.4g} s", stage, step.time);
+  if (part.in_time) return fmt::format("{}t = {:.4g} {}", stage, step.time, time_unit_.name);
   return fmt::format("{}load factor {:.4g}", stage, step.load_factor);
 }
 

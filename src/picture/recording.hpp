@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/length_unit.hpp"
+#include "base/time_unit.hpp"
 #include "flat_sheet.hpp"
 #include "results/stored_run.hpp"
 
@@ -27,6 +28,9 @@ struct State {
   std::shared_ptr<const results::StoredMesh> mesh;
   std::vector<Vec3> positions, obstacles;
 };
+
+/// Of times in the output folder of a run or of one of its stages.
+[[nodiscard]] const TimeUnit& time_unit_in(const std::filesystem::path& folder);
 
 /// Which part of a recording is wanted.
 struct Choice {
@@ -56,6 +60,8 @@ class Recording {
   [[nodiscard]] double metres() const { return metres_; }
   /// Its name, such as mm.
   [[nodiscard]] const char* unit() const { return name_of_metres(metres_); }
+  /// Of times.
+  [[nodiscard]] const TimeUnit& time_unit() const { return time_unit_; }
   /// As the case lists them.
   [[nodiscard]] const std::vector<SheetMaterial>& materials() const { return materials_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
@@ -81,6 +87,7 @@ class Recording {
   std::vector<Part> parts_;
   Vec3 up_ = Vec3::UnitZ();
   double metres_ = 1.0;
+  TimeUnit time_unit_ = time_units.front();
   std::vector<SheetMaterial> materials_;
   mutable std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const results::StoredMesh>> meshes_;
 };

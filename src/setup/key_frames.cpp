@@ -48,7 +48,7 @@ double extent(const std::vector<Vec3>& points) {
 class PlacedFrames {
  public:
   PlacedFrames(const input::ObstacleSection& section, std::size_t vertices)
-      : cache_(section.frames, section.frames_per_second),
+      : cache_(section.frames, section.frames_per_second, section.second),
         placement_(section.placement),
         scale_(section.scale),
         start_(section.frames_start),

@@ -63,8 +63,13 @@ std::vector<system::SeamRule> seam_rules(const input::Case& c) {
 
 system::ModelInput model_input(MPI_Comm comm, const input::Case& c, KnownObstacles& known) {
   std::vector<system::Attachment> attachments = c.attachments;
-  for (std::size_t i = 0; i < attachments.size(); ++i)
+  const input::UnitSystem units(c.units);
+  for (std::size_t i = 0; i < attachments.size(); ++i) {
     attachments[i].number = static_cast<int>(c.is_staged() ? c.stage.attachments[i] : i);
+    const std::array<const char*, 3> per{"N/m", "N/m^2", "N/m^3"};
+    for (std::size_t k = 0; k < per.size(); ++k)
+      attachments[i].usual[k] = units.own_default(attachments[i].usual[k], per[k]);
+  }
   std::vector<energy::Material> materials;
   for (const energy::Material& m : c.materials) materials.push_back(energy::in_natural_frame(m));
   return {c.element,

@@ -102,9 +102,11 @@ void Attachments::hold_softly(const Attachment& attachment, std::size_t obstacle
   for (const std::string& name : attachment.groups) {
     Load like;  // the same lumping as that of loads
     constexpr std::array kinds{Load::Kind::point, Load::Kind::line, Load::Kind::area};
-    like.kind = kinds[static_cast<std::size_t>(on_->mesh().group(name).dimension)];
+    const auto dimension = static_cast<std::size_t>(on_->mesh().group(name).dimension);
+    like.kind = kinds[dimension];
     like.group = name;
-    like.vector = attachment.stiffness * Vec3::UnitX();
+    like.vector =
+        (std::isnan(attachment.stiffness) ? attachment.usual[dimension] : attachment.stiffness) * Vec3::UnitX();
     spread(*on_, like, [&](Index v, const Vec3& fraction) { stiffness[v] += fraction.x(); });
   }
   for (const auto& [v, k] : stiffness) {

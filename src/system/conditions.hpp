@@ -160,11 +160,13 @@ struct Spring {
 
 /// Vertices held to an obstacle's surface by springs or exactly, see attachments.hpp.
 struct Attachment {
-  int number = 0;                   ///< unique among those of a case
-  std::vector<std::string> groups;  ///< points, curves or surfaces
-  std::string obstacle;             ///< that has triangles
-  double stiffness = 1e4;           ///< at vertices of points [N/m], per rest length of curves [N/m^2], area [N/m^3]
-  bool hard = false;                ///< they are where the surface takes them, as supports hold, instead of springs
+  int number = 0;                                               ///< unique among those of a case
+  std::vector<std::string> groups;                              ///< points, curves or surfaces
+  std::string obstacle;                                         ///< that has triangles
+  double stiffness = std::numeric_limits<double>::quiet_NaN();  ///< NaN: `usual`
+  /// At vertices of points [N/m], per rest length of curves [N/m^2], area of surfaces [N/m^3].
+  std::array<double, 3> usual{1e4, 1e4, 1e4};
+  bool hard = false;  ///< they are where the surface takes them, as supports hold, instead of springs
   double gap = std::numeric_limits<double>::quiet_NaN();     ///< to the surface [m]; NaN: what it is at the start
   double release = std::numeric_limits<double>::infinity();  ///< time at which it releases [s]
 };

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shlex
+import struct
 import subprocess
 import tomllib
 
@@ -67,6 +68,47 @@ def units_declared(report):
     forgotten["material"][0]["thickness"] = "2 mm"
     large = solve("units_forgotten", forgotten, 1)
     report.check("if the mesh is in millimetres" in large.text, "a mesh of 200 m with 2 mm is pointed out")
+
+
+@test
+def units_of_motion(report):
+    """A sheet held by the default attachment to a body that a file moves: the same in m, kg, s and in mm, g, ms; exports count seconds."""
+    frames = np.array([[[x, y, 0.0], [x + 0.1, y, 0.0], [x, y + 0.1, 0.0]] for x, y in ((0.0, 0.0), (0.02, 0.0), (0.02, 0.03))])
+    (OUT / "carrier.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in frames[0]) + "f 1 2 3\n")
+    with open(OUT / "carrier.mdd", "wb") as out:
+        out.write(struct.pack(">2i3f", 3, 3, 0.0, 0.1, 0.2) + frames.astype(">f4").tobytes())
+    metres = {"analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.05, "n": 4}, "translate": [0.0, 0.0, 0.01]},
+              "material": [{"type": "isotropic", "young": "1 MPa", "poisson": 0.3, "thickness": "1 mm", "density": "200 kg/m^3"}],
+              "load": [{"type": "gravity", "vector": ["0 m/s^2", "0 m/s^2", "-9.81 m/s^2"]}],
+              "obstacle": [{"name": "carrier", "type": "mesh", "file": str(OUT / "carrier.obj"), "frames": str(OUT / "carrier.mdd"), "frames_smoothing": "50 ms"}],
+              "attachment": [{"groups": ["left", "right"], "obstacle": "carrier"}],
+              "time": {"end": "0.2 s", "step": "10 ms", "velocity_tolerance": "1e-6 m/s"}, "damping": {"mass": "20 Hz"},
+              "probe": [{"name": "edge", "type": "displacement", "group": "left"}], "output": {"every": 5}}
+    millimetres = copy.deepcopy(metres) | {"units": {"length": "mm", "mass": "g", "time": "ms"}}
+    millimetres["mesh"] |= {"scale": 1000, "translate": [0.0, 0.0, 10.0]}
+    millimetres["obstacle"][0]["scale"] = 1000
+    a, b = (solve(f"units_motion_{k}", case) for k, case in enumerate((metres, millimetres)))
+    for axis in "xyz":
+        report.below(abs(b.history[f"edge_{axis}"][-1] / a.history[f"edge_{axis}"][-1] / 1e3 - 1), 1e-5, f"along {axis}: {a.history[f'edge_{axis}'][-1]:.4g} m")
+    report.below(np.abs(b.results[-1].obstacles / 1e3 - a.results[-1].obstacles).max(), 1e-8, "the body")
+    said = (b.folder / "resolved_case.toml").read_text()
+    report.check("# [mm]" in said and "# [m]" not in said and "# stiffness: 1e4 in SI units" in said, "the case with every value names its units")
+    ends = []
+    for k, done in enumerate((a, b)):
+        made = OUT / f"units_motion_{k}"
+        ends.append([])
+        for ending in ("mdd", "usda", "glb"):
+            code, text = invoke(["export", done.folder, "--output", made.with_suffix(f".{ending}")])
+            report.check(code == 0, f"{ending}: {text[-100:] if code else 'made'}")
+        count, = struct.unpack(">i", made.with_suffix(".mdd").read_bytes()[:4])
+        ends[k].append(struct.unpack(f">{count}f", made.with_suffix(".mdd").read_bytes()[8:8 + 4 * count])[-1])
+        ends[k].append(float(re.search(r"endTimeCode = ([\d.]+)", made.with_suffix(".usda").read_text())[1]) / 25)
+        content = made.with_suffix(".glb").read_bytes()
+        gltf = json.loads(content[20:20 + struct.unpack("<I", content[12:16])[0]])
+        ends[k].append(gltf["accessors"][gltf["animations"][0]["samplers"][0]["input"]]["max"][0])
+    report.below(np.abs(np.array(ends) - 0.2).max(), 1e-6, f"ends of films [s]: {ends}")
+    code, text = invoke(["plot", b.folder, "--y", "edge_z", "--output", OUT / "units_motion.svg"])
+    report.check(code == 0 and "time [ms]" in (OUT / "units_motion.svg").read_text(), f"a diagram names the unit of time {text[-100:]}")
 
 
 @test

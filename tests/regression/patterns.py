@@ -158,6 +158,9 @@ def garment_refused(report):
     refused("an unknown piece", panel(pieces=["sleeve"]), "garment_tube.svg", "none of those there are: tube")
     refused("one name for two", tube(panel=[{"file": svg("garment_two.svg", rectangle("a", 0.2, 0.1), rectangle("b", 0.2, 0.1)), "name": "c"}], seam=[]), "is for one piece")
     refused("another key of a mesh", tube(mesh={"size": 0.1}), "mesh.size", "[[panel]]")
+    upright = tube()
+    upright["material"] = [{k: v for k, v in m.items() if k != "texture_direction"} | {"direction": [0.342, 0, 0.94]} for m in upright["material"]]
+    refused("a direction in space", upright, "material.direction", "[u, v, 0]")
     refused("a cylinder too thin", panel(wrap_radius=0.05), "'tube'", "overlap itself")
     refused("a cone whose apex is in the piece", panel(wrap_angle=30, wrap_radius=0.05), "'tube'", "would pass the apex")
     refused("a piece too wide for a cone", panel(wrap_angle=5), "'tube'", "overlap itself on a cone")
@@ -193,7 +196,7 @@ def garment_refused(report):
     refused("sewing without time", wrong, "'rest' sew", "dynamic")
     # Two pieces through each other, and one through a body.
     two = [{"file": tube()["panel"][0]["file"], "name": n, "size": 0.03, "translate": [0, y, 0], "rotate": [0, 0, a]} for n, y, a in (("front", 0, 0), ("back", -0.1, 70))]
-    refused("pieces through each other", tube(panel=two, seam=[], spring=[], stage=[{"name": "rest", "analysis": "drape"}]), "panel 'front'", "panel 'back'", "intersects", ranks=2)
+    refused("pieces through each other", tube(panel=two, seam=[], spring=[{"type": "area", "stiffness": 1.0}], stage=[{"name": "rest", "analysis": "drape"}]), "panel 'front'", "panel 'back'", "intersects", ranks=2)
     ball = tube(obstacle=[{"name": "body", "type": "sphere", "point": [0.105, 0, -0.07], "radius": 0.03}])
     refused("a piece through the body", ball, "body", "[contact]")
     # A seam that has no time to close ends the run, with its name.
