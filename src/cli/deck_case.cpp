@@ -36,7 +36,8 @@ class CaseWriter {
         toml_text(analysis()));
     out_ += "[mesh]\nfile = \"mesh.inp\"\n";
     if (deck_.tied) out_ += "merge = true  # *TIE: parts are joined wherever they touch\n";
-    if (deck_.tie_tolerance > 0.0) out_ += fmt::format("merge_tolerance = {}\n", deck_.tie_tolerance);
+    if (deck_.tie_tolerance > 0.0)
+      out_ += fmt::format("merge_tolerance = {}  # goes with `scale`\n", deck_.tie_tolerance);
     for (const Deck::Section& s : deck_.sections) add_material(s);
     add_supports();
     add_loads();

@@ -144,8 +144,16 @@ CurvedBatch CouplingTerm::curved(Index e) const {
   return {fields_.data(), gather_.data(), own_positions(), own_pairs(), el.count, 0, 1};
 }
 
-void CouplingTerm::find_hessian(Index e, const Configuration& c) const {
-  evaluate(e, c);
+void CouplingTerm::find_hessian(Index e, const Configuration& now) const {
+  evaluate(e, now);
+  Configuration c = now;
+  if (now.tangent == Tangent::stress_alone) {
+    const Vec3 p = p_, q = q_;
+    c = {now.previous, now.previous_u};
+    evaluate(e, c);
+    p_ = p;
+    q_ = q;
+  }
   const Element& el = elements_[e];
   const auto n = static_cast<std::size_t>(el.count);
   hessian_.assign(n * n, Mat3::Zero());

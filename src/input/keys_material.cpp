@@ -254,7 +254,7 @@ std::vector<Key> natural_keys(MaterialInput& s) {
       {.name = "prestress",
        .slot = &s.prestress,
        .meaning = "Membrane force that the rest shape has along the same axes, positive in tension; a third number "
-                  "is the shear.",
+                  "is the shear. Rubber takes `initial_strain` instead.",
        .unit = "N/m",
        .absent = "none"}};
 }

@@ -145,9 +145,10 @@ void BendingEnergy::add_springs(const std::vector<Spring>& springs, const BlockM
     const auto add = [&](Index v, double stiffness) {
       if (on_->is_on_body({v}))
         throw UserError(
-            fmt::format("[[spring]] group '{}': vertex {} belongs to a [[rigid]] group, which has no springs to the "
-                        "ground; leave it out, or hold the reference point by a `translation`",
-                        s.group, on_->mesh().data().vertex_tags[v]));
+            fmt::format("[[spring]] {}: vertex {} belongs to a [[rigid]] group, which has no springs to the ground; "
+                        "name a `group` without those vertices, or hold the reference point by a `translation`",
+                        s.group.empty() ? "on the whole surface" : fmt::format("group '{}'", s.group),
+                        on_->mesh().data().vertex_tags[v]));
       const Index i = on_->owned(v);
       if (i == no_index) return;
       const Mat3 q = on_->dofs().axes(v);

@@ -11,6 +11,9 @@ from solver import ROOT, invoke, run, write_case
 
 ASSETS = ROOT.parent / "shared" / "assets"
 
+# What holds a sheet that a test is not about.
+HELD = {"type": "area", "stiffness": 1.0}
+
 
 @test
 def garment_sections(report):
@@ -22,7 +25,7 @@ def garment_sections(report):
                                                           "properties": {"curvature_coords": "relative", "units_in_meter": 100}}))
 
     def said(*sections):
-        case = tube(panel=[{"file": file, "size": 0.05} | keys for keys in sections], seam=[], spring=[])
+        case = tube(panel=[{"file": file, "size": 0.05} | keys for keys in sections], seam=[], spring=[HELD])
         code, text = invoke(["check", write_case(case, OUT / "garment_sections.toml")])
         return code, text.count("apart at the start"), " ".join(text.split())
 
@@ -196,7 +199,7 @@ def garment_refused(report):
     refused("sewing without time", wrong, "'rest' sew", "dynamic")
     # Two pieces through each other, and one through a body.
     two = [{"file": tube()["panel"][0]["file"], "name": n, "size": 0.03, "translate": [0, y, 0], "rotate": [0, 0, a]} for n, y, a in (("front", 0, 0), ("back", -0.1, 70))]
-    refused("pieces through each other", tube(panel=two, seam=[], spring=[{"type": "area", "stiffness": 1.0}], stage=[{"name": "rest", "analysis": "drape"}]), "panel 'front'", "panel 'back'", "intersects", ranks=2)
+    refused("pieces through each other", tube(panel=two, seam=[], spring=[HELD], stage=[{"name": "rest", "analysis": "drape"}]), "panel 'front'", "panel 'back'", "intersects", ranks=2)
     ball = tube(obstacle=[{"name": "body", "type": "sphere", "point": [0.105, 0, -0.07], "radius": 0.03}])
     refused("a piece through the body", ball, "body", "[contact]")
     # A seam that has no time to close ends the run, with its name.
@@ -226,7 +229,7 @@ def garment_hostile(report):
         report.check(got == code and all(w in text for w in words), f"{what}: code {got}{'' if all(w in text for w in words) else ': ' + text[:300]}")
 
     def pattern(panels, stitches=()):
-        return tube(panel=[{"file": code_file("garment_hostile.json", panels, stitches), "size": 0.05}], seam=[], spring=[])
+        return tube(panel=[{"file": code_file("garment_hostile.json", panels, stitches), "size": 0.05}], seam=[], spring=[HELD])
 
     says("a panel turned by two angles", 0, pattern({"a": panel_of(turned=(90, 45, 0))}), "'a' is turned about more than one axis", 'euler = "xyz"')
     says("an open loop", 2, pattern({"a": panel_of(edges=3)}), "'a'", "the outline is open", "vertex 3")
