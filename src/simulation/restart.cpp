@@ -190,7 +190,10 @@ bool acts_at_once(const input::Case& c) {
   const auto strained = [](const energy::Material& m) {
     return !m.prestress.isZero(0.0) || !m.initial_strain.isZero(0.0);
   };
+  // A path finds them in its first step; modes are about what they leave.
+  const auto taut = [](const system::Spring& s) { return !std::isnan(s.length) || s.force > 0.0; };
   return std::any_of(c.hinges.begin(), c.hinges.end(), constant) ||
+         (c.finds_modes() && std::any_of(c.springs.begin(), c.springs.end(), taut)) ||
          std::any_of(c.loads.begin(), c.loads.end(), constant) ||
          std::any_of(c.temperatures.begin(), c.temperatures.end(), constant) ||
          std::any_of(c.materials.begin(), c.materials.end(), strained);
