@@ -47,8 +47,8 @@ class SpringTerm : public PairTerm<SpringElement> {
   template <class Emit>
   void hessian(Index e, const Configuration& c, Emit&& emit) const {
     const SpringElement& el = elements_[e];
-    const Vec3 d = between(e, c);
-    double side = across(el, d);
+    const Vec3 d = c.tangent == Tangent::stress_alone ? between(e, {c.previous, c.previous_u}) : between(e, c);
+    double side = across(el, between(e, c));
     if (c.tangent == Tangent::positive && side < 0.0) side = 0.0;
     Mat3 k = side * Mat3::Identity();
     if (el.length > 0.0 && d.squaredNorm() > 0.0 && !is_slack(el, d))

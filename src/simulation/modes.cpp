@@ -196,6 +196,12 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
   if (root && result.lower > 0)
     fmt::print(stderr, "voile: warning: {} mode(s) lie below those listed, which are the nearest to -eps_target\n",
                result.lower);
+  if (const auto growing = std::count_if(result.modes.begin(), result.modes.end(), solve::is_complex);
+      root && growing > 0)
+    fmt::print(stderr,
+               "voile: warning: {} mode(s) are complex: with loads that turn with the sheet two have become one, which "
+               "grows (flutter); listed are the real parts of their squared frequencies, as frequencies\n",
+               growing);
   if (root && result.negative > 0)
     fmt::print(stderr,
                "voile: warning: the equilibrium is unstable: {} mode(s) grow, and have their rate as a negative "

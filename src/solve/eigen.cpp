@@ -126,8 +126,7 @@ std::vector<Mode> solve(EPS eps, const system::Model& model, int count) {
   for (PetscInt i = 0; i < std::min<PetscInt>(converged, count); ++i) {
     Mode mode;
     mode.shape = model.dofs().create_vector();
-    PetscScalar imaginary = 0.0;
-    VOILE_PETSC(EPSGetEigenpair(eps, i, &mode.eigenvalue, &imaginary, mode.shape, nullptr));
+    VOILE_PETSC(EPSGetEigenpair(eps, i, &mode.eigenvalue, &mode.imaginary, mode.shape, nullptr));
     VOILE_PETSC(EPSComputeError(eps, i, EPS_ERROR_BACKWARD, &mode.residual));
     // Of a solver that options have made too weak. What gases add is not in these matrices.
     if (model.tangent().change().empty() && !(mode.residual <= most_residual)) continue;
@@ -379,7 +378,7 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   result.modes = solve(eps, model, result.asked_for);
   // Beyond the last positive 1/mu the load only stiffens.
   const auto keep_positive = [&] {
-    std::erase_if(result.modes, [](const Mode& mode) { return !(mode.eigenvalue > 0.0); });
+    std::erase_if(result.modes, [](const Mode& mode) { return is_complex(mode) || !(mode.eigenvalue > 0.0); });
   };
   keep_positive();
   if (can_count(eps, model, EPS_LARGEST_REAL, 0.0))

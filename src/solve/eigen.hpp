@@ -15,6 +15,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -26,10 +27,17 @@ namespace voile::solve {
 
 struct Mode {
   double eigenvalue = 0.0;  ///< omega^2 [1/s^2], or 1/mu
-  double value = 0.0;       ///< frequency [Hz], or critical load factor
-  double residual = 0.0;    ///< backward error: |A x - theta B x| / ((|A| + |theta| |B|) |x|)
-  petsc::VecHandle shape;   ///< unknowns, largest component of the displacement 1
+  double imaginary =
+      0.0;  ///< of it: not 0 with loads without a potential, where two modes have become one that grows (flutter)
+  double value = 0.0;      ///< frequency [Hz], or critical load factor
+  double residual = 0.0;   ///< backward error: |A x - theta B x| / ((|A| + |theta| |B|) |x|)
+  petsc::VecHandle shape;  ///< unknowns, largest component of the displacement 1
 };
+
+/// Whether its imaginary part is more than round-off.
+[[nodiscard]] inline bool is_complex(const Mode& mode) {
+  return std::abs(mode.imaginary) > 1e-6 * std::abs(mode.eigenvalue);
+}
 
 struct EigenResult {
   std::vector<Mode> modes;

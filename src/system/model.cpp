@@ -130,8 +130,11 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   if (contact_)
     if (BlockPattern pattern; contact_->extend_pattern(a, tangent, base.pattern(), pattern))
       tangent_.extend(base, std::move(pattern));
-  if (request.previous) dofs().update_points(request.previous, previous_u_, previous_x_);
+  // The points of rigid bodies turn with them from the state that comes last: of stresses alone from x_k.
+  const bool stress_alone = request.kind == energy::Tangent::stress_alone;
+  if (request.previous && !stress_alone) dofs().update_points(request.previous, previous_u_, previous_x_);
   energy::Configuration c = potential_->configuration(a);
+  if (stress_alone) dofs().update_points(request.previous, previous_u_, previous_x_);
   c.tangent = request.kind;
   if (request.previous) c.previous = previous_x_.data(), c.previous_u = previous_u_.data();
   const BlockMatrix::Values values = tangent.open();
@@ -143,7 +146,7 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   else
     tangent_.change().clear();
   if (!dofs().motions().empty() && request.loads)
-    conditions_->add_body_blocks(c, potential_->point_forces(potential_->configuration(a)), tangent, values);
+    conditions_->add_body_blocks(c, potential_->point_forces({c.x, c.u}), tangent, values);
   else if (!dofs().motions().empty())
     conditions_->add_free_body_blocks(tangent, values);
   if (request.extra) request.extra->add_blocks(c, dofs(), tangent, pattern, values);

@@ -243,6 +243,16 @@ def said_buckling(report):
     done = solve("said_bent", bent)
     # What its cells leave of forces that cancel.
     report.check(done.summary["eigenvalues"][0] > 5 and "cells do not resolve" in done.text, f"and one that stretches as it bends, far away: {done.summary['eigenvalues']}")
+    # A force beside the axis of a column, on a rigid end: the same load as along the axis, and a moment that bends.
+    rigid = {"group": "tip", "turn": "about", "turn_axis": [0, 1, 0], "force": [-1e-3, 0, 0]}
+    column = strip("buckling", eigen={"modes": 1})
+    del column["load"], column["probe"]
+    loads = [solve("said_lever", column | {"rigid": [rigid | more]}).summary["eigenvalues"][0] for more in ({}, {"moment": [0, -1e-5, 0]})]
+    report.below(abs(loads[1] / loads[0] - 1), 1e-4, f"a column with a lever: {loads}")
+    tied = strip("buckling", load=[{"type": "line", "group": "tip", "vector": [0, 0, 0.4]}], eigen={"modes": 1},
+                 spring=[{"type": "pair", "group": "tip", "to": "clamp", "stiffness": 1e4}])
+    done = run(write_case(tied, OUT / "said_tied.toml"), fresh("said_tied"))
+    report.check(done.code == 3 or done.summary["eigenvalues"][0] > 5, f"a cantilever with stiff springs along it only bends: code {done.code}")
     pulled = {"type": "pair", "group": "tip", "to": "clamp", "stiffness": 10.0, "length": 9.99}
     found = []
     for start in (0.0, 1e-6):
