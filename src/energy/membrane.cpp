@@ -82,29 +82,41 @@ std::array<Index, MembraneTerm::nodes> MembraneTerm::stencil_of(const Sheet& she
 namespace {
 
 constexpr double same_membrane = 0.05;  ///< relative difference up to which strain is averaged across a side
+/// Turn of the axes of one material up to which it is; on curved sheets they turn a little from each triangle to the next [rad].
+constexpr double same_axes = 15.0 * std::numbers::pi / 180.0;
 
-/// Whether the membrane or its natural strain differs across side s of t, so that the strain jumps there: a mean of both sides is
-/// the strain of neither.
-bool strain_jumps(const Sheet& sheet, Index t, int s) {
-  const Index other = sheet.mesh().neighbour(t, s);
-  if (sheet.options().membrane != MembraneOperator::six_node_corrected || other == no_index ||
-      sheet.material_index(t) == sheet.material_index(other))
-    return false;
-  const mesh::Frame here = sheet.frame(t), there = sheet.frame(other);
-  const int so = sheet.mesh().side_in_neighbour(t, s);
-  const auto along = [&](Index of, const mesh::Frame& frame, int side) {
-    const auto& p = sheet.patches().patch(of, frame).coordinates;
+/// Angle from the axes of the triangle beyond side s to those of t, unfolded [rad].
+double turn_across(const Sheet& sheet, Index t, int s, Index other) {
+  const auto along = [&](Index of, int side) {
+    const auto& p = sheet.patches().patch(of, sheet.frame(of)).coordinates;
     const Vec2 e = p[static_cast<std::size_t>((side + 2) % 3)] - p[static_cast<std::size_t>((side + 1) % 3)];
     return std::atan2(e.y(), e.x());
   };
-  const double turn = along(t, here, s) - along(other, there, so) - std::numbers::pi;
+  return along(t, s) - along(other, sheet.mesh().side_in_neighbour(t, s)) - std::numbers::pi;
+}
+
+/// Whether the membrane or its natural strain differs across side s of t, so that the strain jumps there: a mean of both sides is
+/// the strain of neither. The published elements are as they were published.
+bool strain_jumps(const Sheet& sheet, Index t, int s) {
+  const ElementOptions& options = sheet.options();
+  const Index other = sheet.mesh().neighbour(t, s);
+  if (options.membrane == MembraneOperator::cst || options.bending == BendingOperator::six_node || other == no_index)
+    return false;
   const Material &mine = sheet.material(t), &theirs = sheet.material(other);
+  const bool same = sheet.material_index(t) == sheet.material_index(other);
+  if (same && !mine.direction && !mine.texture_direction) return false;
+  const double turn = turn_across(sheet, t, s, other);
+  if (same && std::abs(std::remainder(turn, std::numbers::pi)) < same_axes) return false;
   const Mat3 seen = rotated_stiffness(theirs.membrane, turn);
   const auto differs = [&](const Vec3& a, const Vec3& b) {
     return (a - rotated_strain(b, turn)).norm() > same_membrane * std::max(a.norm(), b.norm());
   };
+  const auto strain_of = [](const Material& m) -> Vec3 {
+    return m.prestress.isZero(0.0) ? Vec3(Vec3::Zero()) : Vec3(m.membrane.ldlt().solve(m.prestress));
+  };
   return (seen - mine.membrane).norm() > same_membrane * std::max(seen.norm(), mine.membrane.norm()) ||
-         differs(mine.initial_strain, theirs.initial_strain) || differs(mine.expansion, theirs.expansion);
+         differs(mine.initial_strain, theirs.initial_strain) || differs(mine.expansion, theirs.expansion) ||
+         differs(strain_of(mine), strain_of(theirs));
 }
 
 }  // namespace

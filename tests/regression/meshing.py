@@ -490,9 +490,25 @@ def membrane_jumps(report):
     def stretch(natural):  # of 1e8 N/m under 1e4 N/m, from its natural length
         return max(np.roots([0.5, 0, -0.5 * natural**2, -1e-4]).real)
 
+    def grained(across):  # one fabric whose pieces are cut along and across
+        case = pulled({}, "linear", 1.0)
+        file = OUT / "grained.obj"
+        points, cells = strip_cells(10, 2, 10.0, 2.0, 0.25)
+        text = "".join(f"v {x} {y} {z}\n" for x, y, z in points) + "".join(f"vt {x} {y}\nvt {y} {x + 20}\n" for x, y, _ in points)
+        middle = [points[list(c)].mean(axis=0)[0] for c in cells]
+        for name, here in (("root", lambda x: x < 5), ("band", lambda x: 5 < x < 6), ("tip", lambda x: x > 6)):
+            text += f"g {name}\n" + "".join("f " + " ".join(f"{v + 1}/{2 * v + (2 if name == across else 1)}" for v in c) + "\n" for c, x in zip(cells, middle) if here(x))
+        for name, x in (("left", 0.0), ("right", 10.0)):
+            on = [k + 1 for k, p in enumerate(points) if abs(p[0] - x) < 1e-9]
+            text += f"g {name}\nl " + " ".join(map(str, on)) + "\n"
+        file.write_text(text)
+        fabric = {k: v for k, v in case["material"][0].items() if k not in ("direction", "groups")} | {"texture_direction": [1.0, 0.0]}
+        return case | {"mesh": {"file": str(file)}, "material": [fabric]}
+
     soft, turned = {"membrane": np.diag([1e7, 1e7, 4e6]).tolist()}, {"direction": [0.0, 1.0, 0.0]}
     for name, case, exact in (("a tenth as stiff", pulled(soft, "linear", 1.0), 9 / 1e8 + 1 / 1e7),
                               ("turned by 90 degrees", pulled(turned, "linear", 1.0), 9 / 1e8 + 1 / 2e7),
+                              ("of the same fabric, cut across", grained("band"), 9 / 1e8 + 1 / 2e7),
                               ("shrunk", pulled({"initial_strain": [-3e-3, 0, 0]}, "static", 1e4), 9 * stretch(1.0) + stretch(0.997) - 10)):
         for ranks in (1, 2):
             moved = solve("membrane_jump", case, ranks).history["tip_x"][-1]
