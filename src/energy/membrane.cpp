@@ -87,12 +87,13 @@ constexpr double same_axes = 15.0 * std::numbers::pi / 180.0;
 
 /// Angle from the axes of the triangle beyond side s to those of t, unfolded [rad].
 double turn_across(const Sheet& sheet, Index t, int s, Index other) {
+  const mesh::SurfaceMesh& mesh = sheet.mesh();
   const auto along = [&](Index of, int side) {
-    const auto& p = sheet.patches().patch(of, sheet.frame(of)).coordinates;
-    const Vec2 e = p[static_cast<std::size_t>((side + 2) % 3)] - p[static_cast<std::size_t>((side + 1) % 3)];
-    return std::atan2(e.y(), e.x());
+    const mesh::Frame frame = sheet.frame(of);
+    const Vec3 e = mesh.rest_corner(of, (side + 2) % 3) - mesh.rest_corner(of, (side + 1) % 3);
+    return std::atan2(e.dot(frame.e2), e.dot(frame.e1));
   };
-  return along(t, s) - along(other, sheet.mesh().side_in_neighbour(t, s)) - std::numbers::pi;
+  return along(t, s) - along(other, mesh.side_in_neighbour(t, s)) - std::numbers::pi;
 }
 
 /// Whether the membrane or its natural strain differs across side s of t, so that the strain jumps there: a mean of both sides is
