@@ -13,7 +13,7 @@ struct DeckMaterial {
   std::string text;               ///< without `groups`; empty: nothing is known of it
   std::vector<std::string> left;  ///< what was not taken
 };
-/// Of triangles, how many there are, and of how many x is the normal to 0.1 degrees.
+/// Of triangles, how many there are, of how many x is the normal to 0.1 degrees, and their normals.
 struct SquareToX {
   std::size_t triangles = 0, square = 0;
   std::vector<Vec3> normals{};

@@ -293,13 +293,12 @@ class ObjFrames : public Frames {
 };
 
 std::unique_ptr<Frames> open_frames(const fs::path& file, const Clock& clock) {
-  const double frames_per_second = clock.frames_per_second;
-  if (!(frames_per_second > 0.0) || !std::isfinite(frames_per_second))
-    fail(file, fmt::format("{} frames per second; give a positive number", frames_per_second));
+  if (!(clock.frames_per_second > 0.0) || !std::isfinite(clock.frames_per_second))
+    fail(file, fmt::format("{} frames per second; give a positive number", clock.frames_per_second));
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  if (extension == ".obj") return std::make_unique<ObjFrames>(file, frames_per_second);
+  if (extension == ".obj") return std::make_unique<ObjFrames>(file, clock.frames_per_second);
   if (extension != ".pc2" && extension != ".mdd")
     fail(file, fmt::format("unknown kind of point cache '{}'; give .pc2, .mdd or a pattern for .obj", extension));
   std::error_code ignored;

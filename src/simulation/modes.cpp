@@ -200,7 +200,8 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
       root && growing > 0)
     fmt::print(stderr,
                "voile: warning: {} mode(s) are complex: with loads that turn with the sheet two have become one, which "
-               "grows (flutter); listed are the real parts of their squared frequencies, as frequencies\n",
+               "grows (flutter); their frequencies are those of the real parts; follow the motion with analysis = "
+               "\"dynamic\"\n",
                growing);
   if (root && result.negative > 0)
     fmt::print(stderr,

@@ -27,11 +27,10 @@ namespace voile::solve {
 
 struct Mode {
   double eigenvalue = 0.0;  ///< omega^2 [1/s^2], or 1/mu
-  double imaginary =
-      0.0;  ///< of it: not 0 with loads without a potential, where two modes have become one that grows (flutter)
-  double value = 0.0;      ///< frequency [Hz], or critical load factor
-  double residual = 0.0;   ///< backward error: |A x - theta B x| / ((|A| + |theta| |B|) |x|)
-  petsc::VecHandle shape;  ///< unknowns, largest component of the displacement 1
+  double imaginary = 0.0;   ///< of it: not 0 where loads without a potential make it grow (flutter)
+  double value = 0.0;       ///< frequency [Hz], or critical load factor
+  double residual = 0.0;    ///< backward error: |A x - theta B x| / ((|A| + |theta| |B|) |x|)
+  petsc::VecHandle shape;   ///< unknowns, largest component of the displacement 1
 };
 
 /// Whether its imaginary part is more than round-off.

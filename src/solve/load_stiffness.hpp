@@ -5,7 +5,7 @@
 //   sum over strains of N' : d2E/da2,   N' = C : (dE/da) x_f
 // The change of their geometry is left out: to first order alone it couples stretching to bending wherever the sheet bends before it
 // buckles, and gives modes below the buckling load that no sheet has.
-// Source: O.C. Zienkiewicz & R.L. Taylor, The Finite Element Method, Vol. 2, 5th ed. (2000), 11.4 (linear, or classical, stability).
+// Source: O.C. Zienkiewicz & R.L. Taylor, The Finite Element Method, Vol. 2, 5th ed. (2000), chapter 11 (elastic stability).
 #pragma once
 
 #include "base/petsc.hpp"

@@ -262,6 +262,19 @@ def said_buckling(report):
 
 
 @test
+def said_flutter(report):
+    """A moment of fixed direction at the end of a blade has no potential: its two lowest modes become one that grows, which is none of buckling."""
+    blade = {"mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"nx": 20, "ny": 2, "length": 1.2, "width": 0.06}},
+             "material": [{"type": "isotropic", "young": 7e10, "poisson": 0.3, "thickness": 2e-3, "density": 2700.0}],
+             "support": [{"type": "clamped", "group": "clamp"}], "rigid": [{"group": "tip", "moment": [0, 0, 1]}]}
+    for factor, complex_modes in ((1.0, 0), (15.0, 2)):
+        done = solve("said_flutter", blade | {"analysis": "modal", "eigen": {"modes": 4, "load_factor": factor}, "steps": {"initial_step": factor / 4, "max_step": factor / 4}})
+        report.check((f"{complex_modes} mode(s) are complex" in done.text) == (complex_modes > 0), f"at {factor:g} N m: {done.summary['eigenvalues']}")
+    done = run(write_case(blade | {"analysis": "buckling", "eigen": {"modes": 2}}, OUT / "said_flutter_buckling.toml"), fresh("said_flutter_buckling"))
+    report.check(done.code == 3 and "0 of 2 modes found" in done.text, f"no critical load: code {done.code}")
+
+
+@test
 def said_mirrors(report):
     """Edges of a flat sheet that run in two directions have no mirror plane; a mass weighs where gravity acts on its vertex; a restarted mesh has the lists of groups."""
     plate = {"analysis": "linear", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.5, "n": 4}},

@@ -216,7 +216,7 @@ TEST_CASE("fabric of a curved rest shape: axes and energies are those of the sur
   }
   add_halves(d, is_left);
   const mesh::SurfaceMesh first(mapped(std::move(d), on_cylinder));
-  const mesh::SurfaceMesh same = changed(first, 0.12), finer = changed(first, 0.06);
+  const mesh::SurfaceMesh same = changed(first, 0.12), finer = changed(first, 0.08);
   const Vec3 skew(1.0, 0.2, 0.7);
   energy::Material by_direction = fabric(0.4), by_texture = by_direction;
   by_direction.direction = skew;
