@@ -388,7 +388,9 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
                 .preceding = [&](double place) { return negative_of(model, 1.0 / place, change); }},
                result);
   keep_positive();
+  const std::size_t found = result.modes.size();
   drop_round_off(model, a, load_solution, change, result.modes);
+  if (result.modes.size() < found) result.missed = 0;  // of round-off there are always more
   for (Mode& mode : result.modes) mode.value = model.conditions().load_factor() + 1.0 / mode.eigenvalue;
   return result;
 }
