@@ -30,12 +30,15 @@ namespace {
 
 /// [time] velocity_tolerance of stages that sew [m/s].
 constexpr double sewing_tolerance = 3e-3;
+using Control = solve::StaticOptions::Control;
 
-void check_steps(const SectionPlace& place, solve::StaticOptions& s) {
-  if (!place.has("initial_step")) s.initial_step = std::min(s.initial_step, s.max_step);
+void check_steps(const SectionPlace& place, const Case& c, solve::StaticOptions& s) {
+  // Load factors may be loads of real size: ten steps to the end. Beyond a bifurcation an arc may be thousands of times softer.
+  const double end = c.finds_modes() ? c.eigen.load_factor : s.final_load_factor;
+  const double size = s.control == Control::load ? std::max(1.0, 0.1 * end) : 1.0;
+  if (!place.has("max_step")) s.max_step = s.control == Control::arc_length ? 1e9 : std::max(s.max_step, size);
+  if (!place.has("initial_step")) s.initial_step = std::min(s.initial_step * size, s.max_step);
   if (!place.has("min_step")) s.min_step = std::min(s.min_step, s.initial_step);
-  // Beyond a bifurcation the path may be thousands of times softer than at its start.
-  if (!place.has("max_step") && s.control == solve::StaticOptions::Control::arc_length) s.max_step = 1e9;
   if (s.initial_step > s.max_step)
     place.fail("initial_step", fmt::format("{}: must not be larger than max_step = {}", s.initial_step, s.max_step));
   if (s.min_step > s.initial_step)
@@ -44,7 +47,7 @@ void check_steps(const SectionPlace& place, solve::StaticOptions& s) {
     if (s.stops[k] <= s.stops[k - 1])
       place.fail("stops", fmt::format("{} follows {}: list the stops in ascending order, each once", s.stops[k],
                                       s.stops[k - 1]));
-  if (!s.stops.empty() && s.control != solve::StaticOptions::Control::load)
+  if (!s.stops.empty() && s.control != Control::load)
     place.fail("stops", "stops are load factors and belong to control = \"load\"; remove them");
   if (!s.stops.empty() && s.stops.back() > s.final_load_factor)
     place.fail("stops", fmt::format("{} lies beyond final_load_factor = {}: remove it or raise the final load factor",
@@ -53,7 +56,6 @@ void check_steps(const SectionPlace& place, solve::StaticOptions& s) {
 
 /// Control and the probe that goes with it. A probe is named before it is read: sections may stand in any order.
 void check_control(const SectionPlace& place, solve::StaticOptions& s, const std::vector<Probe>& probes) {
-  using Control = solve::StaticOptions::Control;
   if (!place.has("target_iterations") && s.control != Control::load) s.target_iterations = 5;
   if (s.control == Control::displacement && (s.control_probe.empty() || s.final_displacement == 0.0))
     place.fail(s.control_probe.empty() ? "control_probe" : "final_displacement",
@@ -223,7 +225,7 @@ void read_contact(const CaseReader& reader, Case& c, const StagesBefore& before)
         fmt::format("{}: [contact], [[obstacle]]: there is no contact with analysis = \"{}\"; remove the "
                     "sections, or choose static, dynamic or drape",
                     place.file, word_of(c.analysis)));
-  if (c.analysis == Analysis::statics && c.steps.control != solve::StaticOptions::Control::load)
+  if (c.analysis == Analysis::statics && c.steps.control != Control::load)
     throw UserError(fmt::format("{}: steps.control: contact in a static path needs \"load\"", place.file));
 }
 
@@ -330,8 +332,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   read_all(reader, "mass", c.masses, unchecked);
   read_all(reader, "spring", c.springs, unchecked);
   const SectionPlace steps = reader.read("steps", 0, keys_of(c.steps));
-  check_steps(steps, c.steps);
-  if (c.analysis == Analysis::statics && c.steps.control != solve::StaticOptions::Control::load &&
+  if (c.analysis == Analysis::statics && c.steps.control != Control::load &&
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
   if (c.finds_modes() && c.steps.final_displacement != 0.0)
@@ -339,6 +340,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   read_all(reader, "rigid", c.rigids, [&](const SectionPlace& place, RigidSection& s) { read_rigid(place, c, s); });
   read_periodics(reader, c);
   read_harmonic(reader, c);
+  check_steps(steps, c, c.steps);
   read_contact(reader, c, before);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
   read_all(reader, "initial_velocity", c.initial_velocities, [&](const SectionPlace& place, const InitialVelocity&) {

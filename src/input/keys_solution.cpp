@@ -49,7 +49,7 @@ std::vector<Key> step_keys(solve::StaticOptions& s) {
        .range = positive},
       {.name = "max_step",
        .slot = &s.max_step,
-       .meaning = "Largest step. Under `arc_length` 1e9, in practice none, if this key is not given.",
+       .meaning = "Largest step. Not given, at least a tenth of the path; under `arc_length` 1e9, in practice none.",
        .range = positive},
       {.name = "stops",
        .slot = &s.stops,

@@ -270,6 +270,13 @@ TEST_CASE("steps fit each other") {
             "no error"));
   const input::Case c = parse_case(minimal + "[steps]\nmax_step = 0.1\n", "case.toml");
   CHECK(c.steps.initial_step == 0.1);
+  const auto steps = [&](const std::string& text) { return parse_case(text, "case.toml").steps; };
+  CHECK(steps(minimal + "[steps]\nfinal_load_factor = 8\n").max_step == 1.0);
+  CHECK(steps(minimal + "[steps]\nfinal_load_factor = 5000\n").max_step == 500.0);
+  CHECK(steps(minimal + "[steps]\nfinal_load_factor = 5000\n").initial_step == 125.0);
+  CHECK(steps(minimal + "[steps]\nfinal_load_factor = 5000\nmax_step = 2\n").max_step == 2.0);
+  const std::string modes = "analysis = \"buckling\"\n" + minimal + "[eigen]\nload_factor = 5000\n";
+  CHECK(steps(modes).max_step == 500.0);
 }
 
 TEST_CASE("with contact the spectral radius of a motion is 0 if nothing else is asked for") {
