@@ -1,7 +1,7 @@
 // Barrier potential of a gap, and the mollifier of edges that become parallel. Theory: docs/theory/contact.md (1).
 //
 // Symbols   g     gap: distance of two mid-surfaces less their offset                       [m]
-//           dh    contact distance: where the barrier begins                                [m]
+//           dh    activation distance: where the barrier begins                                [m]
 //   b(g) = -dh (g/dh - 1)^2 ln(g/dh)   for 0 < g < dh, infinite below, zero above           [m]
 // Times a stiffness kappa [Pa] and an area [m^2] it is an energy; kappa |b'| is a pressure (1.19 kappa at g = dh/2).
 //   m(x) = (2 - x/e) x/e for x < e, else 1;   x = |a x b|^2 of two edges, e = 1e-3 of the product of their rest lengths

@@ -1,7 +1,7 @@
 // Which pairs may come near: boxes around where points can be, sorted into the cells of a grid.
 //
 // A pair is a candidate if the boxes of its two figures, each the hull of its points' boxes, come within its reach
-// (offset plus contact distance) of each other. Every rank asks for the pairs that hold a point it owns: it then has
+// (offset plus activation distance) of each other. Every rank asks for the pairs that hold a point it owns: it then has
 // all that act on its rows, and the sets of all ranks together are those of one.
 // Source: M. Teschner et al., Vision, Modeling, Visualization (2003) 47-54.
 #pragma once
@@ -41,7 +41,7 @@ struct Pair {
   /// Factor of the barrier [m^2], see contact_set.hpp.
   double area;
   double mollify;         ///< threshold of the mollifier of two edges [m^4]; 0: none
-  double fraction = 1.0;  ///< of offset and contact distance that holds between neighbours, see neighbours.hpp
+  double fraction = 1.0;  ///< of offset and activation distance that holds between neighbours, see neighbours.hpp
 };
 
 [[nodiscard]] inline bool operator<(const Pair& a, const Pair& b) {
@@ -59,10 +59,10 @@ struct Figures {
 /// `asked` per point: only candidates that hold one of these, empty: all.
 [[nodiscard]] std::vector<Pair> find_pairs(const Surface& surface, const Figures& figures,
                                            const std::vector<Box>& boxes, const std::vector<char>& owned,
-                                           double contact_distance, const std::vector<char>& asked = {});
+                                           double activation_distance, const std::vector<char>& asked = {});
 
 /// The same by trying every pair: the oracle of the tests.
 [[nodiscard]] std::vector<Pair> find_pairs_by_force(const Surface& surface, const std::vector<Box>& boxes,
-                                                    const std::vector<char>& owned, double contact_distance);
+                                                    const std::vector<char>& owned, double activation_distance);
 
 }  // namespace voile::contact

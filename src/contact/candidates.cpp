@@ -8,13 +8,13 @@ namespace voile::contact {
 
 namespace {
 
-/// Room that the boxes of candidates leave around the asked path: in contact distances, and in what a cell is larger than
-/// one. Where two such rooms and the contact distance are longer than a cell, rings of neighbours become candidates.
+/// Room that the boxes of candidates leave around the asked path: in activation distances, and in what a cell is larger than
+/// one. Where two such rooms and the activation distance are longer than a cell, rings of neighbours become candidates.
 constexpr double slack = 2.0, slack_in_cell = 0.4, least_slack = 0.1;
 /// Candidates are found anew only for points that left their boxes, unless these are more than this fraction, or boxes of
 /// earlier, longer paths are on average longer than needed now by this fraction of the room.
 constexpr double most_left = 0.3, most_excess = 0.5;
-/// Gaps that the list of near pairs answers for, and how far it lets points go before it is renewed, in contact distances.
+/// Gaps that the list of near pairs answers for, and how far it lets points go before it is renewed, in activation distances.
 constexpr double listed = 1.0, room_in_list = 1.0;
 /// Trajectories longer than so many edges on the mean are looked at in parts of one edge, of which there are at most so many.
 constexpr double long_trajectory = 2.0, most_parts = 64.0;
@@ -62,15 +62,15 @@ void add_hulls(Iterator begin, Iterator end, int depth, std::vector<Box>& hulls)
 
 }  // namespace
 
-Candidates::Candidates(const Surface& surface, double contact_distance, std::vector<char> owned)
+Candidates::Candidates(const Surface& surface, double activation_distance, std::vector<char> owned)
     : surface_(&surface),
-      distance_(contact_distance),
-      reach_(contact_distance),
+      distance_(activation_distance),
+      reach_(activation_distance),
       mean_edge_(mean_edge(surface)),
       owned_(std::move(owned)),
-      list_(listed * contact_distance, room_in_list * contact_distance) {
+      list_(listed * activation_distance, room_in_list * activation_distance) {
   const Surface& s = surface;
-  for (const Face& f : s.faces) reach_ = std::max(reach_, s.bodies[f.body].thickness + contact_distance);
+  for (const Face& f : s.faces) reach_ = std::max(reach_, s.bodies[f.body].thickness + activation_distance);
   for (Index i = 0; i < s.sheet_points; ++i)
     if (owned_[i]) own_points_.push_back(i);
   for (Index i = s.sheet_points; i < s.points(); ++i) obstacle_points_.push_back(i);

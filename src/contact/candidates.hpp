@@ -40,7 +40,7 @@ class Peers {
 class Candidates {
  public:
   /// `owned`: per sheet point, whether it is this rank's. The surface must outlive it and stay as it is.
-  Candidates(const Surface& surface, double contact_distance, std::vector<char> owned);
+  Candidates(const Surface& surface, double activation_distance, std::vector<char> owned);
 
   /// Makes the candidates hold for all positions between `from` and `to` (all points; right are those of seen points and
   /// of obstacles) and some room around; true if some were found anew. Where points go far, boxes around their
@@ -114,7 +114,7 @@ class Candidates {
   }
 
   const Surface* surface_;
-  double distance_, reach_;  ///< contact distance; how near figures must come to be a pair, at most [m]
+  double distance_, reach_;  ///< activation distance; how near figures must come to be a pair, at most [m]
   double mean_edge_;         ///< of the sheet [m]
   std::vector<char> owned_;
   std::vector<Index> own_points_, own_faces_;  ///< own faces hold an own point

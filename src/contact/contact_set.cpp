@@ -9,7 +9,7 @@ namespace {
 
 /// Fraction of the gap to a plane that a step leaves (as ccd.cpp for pairs).
 constexpr double plane_kept = 0.2;
-/// A first guess may lose this fraction of a gap, or of the contact distance.
+/// A first guess may lose this fraction of a gap, or of the activation distance.
 constexpr double lost_fraction = 0.5;
 
 template <class Matrix>

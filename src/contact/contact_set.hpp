@@ -33,7 +33,7 @@ struct Plane {
 };
 
 struct ContactState {
-  long pairs = 0;                                        ///< within the contact distance
+  long pairs = 0;                                        ///< within the activation distance
   double gap = std::numeric_limits<double>::infinity();  ///< smallest [m]
   Pair nearest{};                                        ///< one point only: with a plane, which is body_b
 };
@@ -59,7 +59,7 @@ class ContactSet {
   /// Fraction of the displacements from `from` to `to` that this rank's pairs admit, planes staying where they are.
   [[nodiscard]] double step_fraction(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const;
   /// Every candidate with a point in `asked` that may not go all of it or would lose more than half of its gap
-  /// within the contact distance, while planes go to `planes_to`; a plane as a pair of its point alone.
+  /// within the activation distance, while planes go to `planes_to`; a plane as a pair of its point alone.
   void blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<Plane>& planes_to,
                const std::vector<char>& asked, const std::function<void(const Pair&)>& found) const;
 
@@ -81,7 +81,7 @@ class ContactSet {
     passing_ = std::move(points);
     passing_bits_ = std::move(bodies);
   }
-  /// The smallest gap of each sheet point over this rank's pairs, or the contact distance if that is less. [m]
+  /// The smallest gap of each sheet point over this rank's pairs, or the activation distance if that is less. [m]
   [[nodiscard]] std::vector<double> smallest_gaps(const std::vector<Vec3>& x) const;
   /// The same up to any `limit`, over pairs found anew; positions of all points. [m]
   [[nodiscard]] std::vector<double> gaps_within(const std::vector<Vec3>& x, double limit) const;

@@ -137,8 +137,8 @@ class Finder {
 
 }  // namespace
 
-Neighbours find_neighbours(const Surface& surface, double contact_distance) {
-  return Finder(surface, contact_distance).run();
+Neighbours find_neighbours(const Surface& surface, double activation_distance) {
+  return Finder(surface, activation_distance).run();
 }
 
 }  // namespace voile::contact

@@ -42,7 +42,7 @@ struct Face {
 /// Pairs of neighbours of the sheet, see neighbours.hpp.
 struct Neighbours {
   std::vector<char> concerned;  ///< per sheet point: it is in such a pair; empty: there are none
-  /// Fraction of offset and contact distance that holds, by the points of a pair: of points and triangles, of edges.
+  /// Fraction of offset and activation distance that holds, by the points of a pair: of points and triangles, of edges.
   std::map<std::array<Index, 4>, double> of_faces, of_edges;
 };
 

@@ -8,7 +8,7 @@ std::vector<Key> keys_of(ContactSection& s) {
   return {
       {.name = "distance",
        .slot = &o.distance,
-       .meaning = "Gap below which surfaces push each other away.",
+       .meaning = "Activation distance: the gap below which surfaces repel each other.",
        .unit = "m",
        .range = positive},
       {.name = "stiffness",

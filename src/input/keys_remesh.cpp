@@ -39,8 +39,9 @@ std::vector<Key> size_keys(RemeshSection& s) {
       {.name = "growth", .slot = &s.growth, .meaning = "Largest change of the size over distance.", .range = positive},
       {.name = "near_contact",
        .slot = &s.near_contact,
-       .meaning = "Also ask for edges that keep the flat triangles within a quarter of the contact distance from the "
-                  "bent sheet, where something is in contact."},
+       .meaning =
+           "Also ask for edges that keep the flat triangles within a quarter of the activation distance from the "
+           "bent sheet, where something is in contact."},
       {.name = "near_obstacles",
        .slot = &s.near_obstacles,
        .meaning =

@@ -34,7 +34,7 @@ constexpr double most_vertices = 5e6;
 constexpr double usual_ratio = 0.9;
 /// Surfaces may come nearer by this fraction of their gap: both sides move, and half of the gap stays.
 constexpr double fraction_of_gap = 0.25;
-/// Gaps are looked for within so many contact distances; what is far from everything may move as if it were at this gap.
+/// Gaps are looked for within so many activation distances; what is far from everything may move as if it were at this gap.
 constexpr double gap_reach = 4.0;
 
 /// Largest principal value of a curvature k11, k22, 2 k12, squared.

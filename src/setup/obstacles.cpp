@@ -26,7 +26,7 @@ using Shape = contact::Obstacle::Shape;
 
 /// Divisions of a tessellated primitive; the check sees it a thousandth of its radius too small.
 constexpr int refinement = 4;
-/// Of a cylinder's facets, in contact distances.
+/// Of a cylinder's facets, in activation distances.
 constexpr double largest_sagitta = 0.1;
 /// Side of the square that stands for a half-space, in extents of the sheet.
 constexpr double square_side = 1.5;
@@ -63,9 +63,9 @@ void read_shape(MPI_Comm comm, const input::ObstacleSection& section, contact::O
 }
 
 /// A cylinder that deviates from the true one by less than contact can tell.
-void tessellate(const input::ObstacleSection& section, double contact_distance, contact::Obstacle& o) {
+void tessellate(const input::ObstacleSection& section, double activation_distance, contact::Obstacle& o) {
   geometry::TriangleSoup soup =
-      geometry::cylinder_surface(section.point, section.end, o.radius, largest_sagitta * contact_distance);
+      geometry::cylinder_surface(section.point, section.end, o.radius, largest_sagitta * activation_distance);
   o.points = std::move(soup.positions);
   o.triangles = std::move(soup.triangles);
   o.radius = 0.0;  // the triangles are where the surface is

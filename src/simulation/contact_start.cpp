@@ -17,7 +17,7 @@ namespace {
 
 /// A vertex that would have to move further than so many mean edges is not in a shallow intersection.
 constexpr double most_cells = 5.0;
-/// Fraction of the contact distance below which two things touch rather than overlap.
+/// Fraction of the activation distance below which two things touch rather than overlap.
 constexpr double touching = 1e-6;
 
 /// What an attempt to untangle says if it fails.
@@ -102,7 +102,8 @@ void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
       for (const std::string& note : enclosed_pieces(contact.scene(), positions)) fmt::print("note: {}\n", note);
     if (report.pairs == 0) return;
     fmt::print(
-        "note: [contact]: the start lies inside the contact distance of {:.4g} m: {} pair(s), smallest gap {:.4g} m, "
+        "note: [contact]: the start lies inside the activation distance of {:.4g} m: {} pair(s), smallest gap {:.4g} "
+        "m, "
         "{}; {}\n",
         contact.scene().input().options.distance, report.pairs, report.gap, report.nearest,
         c.analysis != input::Analysis::dynamic ? "the search moves them apart"
@@ -111,7 +112,7 @@ void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
   });
 }
 
-/// Whether a start needs repair: it intersects or lies inside the contact distance. Collective.
+/// Whether a start needs repair: it intersects or lies inside the activation distance. Collective.
 bool is_tangled(system::Contact& contact, Vec a) {
   return !setup::IntersectionCheck(contact).find_by_ranks(contact.scene().positions(a)).empty() ||
          system::report(contact.scene(), a).pairs > 0;
@@ -129,7 +130,7 @@ std::string repair(const record::RunOptions& options, system::Contact& contact, 
     const untangle::UntangleResult r = untangle::untangle(
         contact.scene().set().surface(), contact.scene().set().planes(),
         system::free_directions(contact.scene().dofs()), [&](const std::vector<Vec3>& at) { return check.find(at); },
-        {.contact_distance = contact.scene().input().options.distance, .limit = limit}, x);
+        {.activation_distance = contact.scene().input().options.distance, .limit = limit}, x);
     if (!r.done) tried = attempt(r, limit);
     if (r.done && options.verbosity != record::Verbosity::quiet)
       fmt::print("untangled: {} vertices moved, at most {:.3g} m, in {} rounds\n", r.moved, r.farthest, r.rounds);
@@ -160,7 +161,8 @@ void examine_start(const input::Case& c, system::Contact& contact, Vec a) {
   if (c.contact.untangle && is_tangled(contact, a))
     mpi::on_root(contact.scene().dofs().comm(), [] {
       fmt::print(
-          "note: [contact]: the start intersects or lies inside the contact distance; a run begins with untangling\n");
+          "note: [contact]: the start intersects or lies inside the activation distance; a run begins with "
+          "untangling\n");
     });
   else
     check_start({}, contact, a, "");

@@ -13,7 +13,7 @@ namespace {
 using contact::ContactSet;
 using contact::Pair;
 
-/// Pairs within so many contact distances get their place in the matrix, so that it changes rarely.
+/// Pairs within so many activation distances get their place in the matrix, so that it changes rarely.
 constexpr double padding = 4.0;
 
 }  // namespace

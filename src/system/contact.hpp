@@ -46,8 +46,8 @@ class Contact {
   /// Takes normal forces and directions of friction from state a, slips still counted from the start of the step.
   /// Collective.
   void lag_friction(Vec a);
-  /// Begins a motion at state a and time t. Pairs nearer than the contact distance would be thrown apart. So the barrier
-  /// of a point begins at its smallest gap, where it exerts no force, and grows to the contact distance within
+  /// Begins a motion at state a and time t. Pairs nearer than the activation distance would be thrown apart. So the barrier
+  /// of a point begins at its smallest gap, where it exerts no force, and grows to the activation distance within
   /// options.settle_time. A point whose contact force is balanced by other forces keeps its full barrier: where
   /// `residual`, the static residual at a (model.hpp) [N], is less than half of the contact force. Collective.
   void begin_settling(Vec a, Vec residual, double time);
@@ -63,7 +63,7 @@ class Contact {
   /// Adds the derivative of the energy to f (all components, fixed ones too). Collective. [N]
   void add_gradient(Vec a, Vec f, contact::ContactSet::Part part = contact::ContactSet::both);
   /// True if a pair that acts at state a lacks its place in the matrix on some rank; then `pattern` becomes `base`, of this rank's
-  /// rows, with the columns that contacts within a few contact distances need. Collective.
+  /// rows, with the columns that contacts within a few activation distances need. Collective.
   [[nodiscard]] bool extend_pattern(Vec a, const BlockMatrix& matrix, const BlockPattern& base, BlockPattern& pattern);
   /// Adds the second derivative at the state of the last call of extend_pattern(). `positive`: pairs without their negative
   /// part.
@@ -74,7 +74,7 @@ class Contact {
   /// Changes the free components of the predictor `to` until nothing collides on straight paths from `from`, while the
   /// obstacles move from time t0 to t1: points that would be hit move along with what hits them. Sets the time to t1.
   /// With `may_pass`, passable obstacles are ignored by the vertices that cannot evade them, until the triangles of
-  /// these are the contact distance away from the obstacle at the start of a step. Collective.
+  /// these are the activation distance away from the obstacle at the start of a step. Collective.
   [[nodiscard]] Clearance clear_predictor(Vec from, double t0, Vec to, double t1, bool may_pass = false);
 
  private:

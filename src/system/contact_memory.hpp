@@ -7,7 +7,7 @@ namespace voile::system {
 
 /// What contact carries from step to step besides positions, alike on all ranks.
 struct ContactMemory {
-  /// How a start nearer than the contact distance is let out: smallest gap of each vertex then [m]; empty: not at all.
+  /// How a start nearer than the activation distance is let out: smallest gap of each vertex then [m]; empty: not at all.
   std::vector<double> gaps;
   double start = 0.0;  ///< [s]
   /// Which obstacles each vertex passes through: a sum of 2^k over them, k their number; empty: none.

@@ -8,7 +8,7 @@ namespace voile::system {
 
 /// What a user wants to know of the contacts in a state.
 struct ContactReport {
-  long pairs = 0;                                        ///< within the contact distance
+  long pairs = 0;                                        ///< within the activation distance
   double gap = std::numeric_limits<double>::infinity();  ///< smallest [m]; infinite: nothing within the distance
   std::string nearest;                                   ///< the pair with the smallest gap, in words; on every rank
   long most_pairs = 0;                                   ///< of them on one rank

@@ -17,7 +17,7 @@ namespace {
 
 using contact::ContactSet;
 
-/// Of the triangles that may be too low for the contact distance: a few slivers are exempt, a whole mesh is not.
+/// Of the triangles that may be too low for the activation distance: a few slivers are exempt, a whole mesh is not.
 constexpr double most_narrow = 0.5;
 
 /// Parts of the sheet that rules name, then the obstacles.

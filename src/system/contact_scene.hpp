@@ -32,14 +32,14 @@ class ContactScene {
     std::vector<Vec3> start;  ///< of the step
   };
 
-  /// `dofs` must outlive it. Collective. Throws UserError for unknown names in rules, a contact distance that is too
+  /// `dofs` must outlive it. Collective. Throws UserError for unknown names in rules, a activation distance that is too
   /// large for the mesh, and obstacles that make no sense.
   ContactScene(const Dofs& dofs, ContactInput input);
   ContactScene(const ContactScene&) = delete;
   ContactScene& operator=(const ContactScene&) = delete;
 
   [[nodiscard]] const Dofs& dofs() const { return *dofs_; }
-  /// With notes on the mesh and the contact distance added.
+  /// With notes on the mesh and the activation distance added.
   [[nodiscard]] const ContactInput& input() const { return input_; }
   [[nodiscard]] const contact::Obstacles& obstacles() const { return *obstacles_; }
   /// Surface, planes at the time in force, pairs.

@@ -1,4 +1,4 @@
-// Starts that lie inside the contact distance.
+// Starts that lie inside the activation distance.
 #include <algorithm>
 
 #include "base/mpi.hpp"

@@ -15,8 +15,8 @@ constexpr int passes = 3;
 Gaps::Gaps(Tangle& tangle, const std::vector<Plane>& planes)
     : tangle_(tangle),
       planes_(planes),
-      least_(least_gap * tangle.options.contact_distance),
-      wanted_(wanted_gap * tangle.options.contact_distance),
+      least_(least_gap * tangle.options.activation_distance),
+      wanted_(wanted_gap * tangle.options.activation_distance),
       has_faces_(tangle.surface.bodies.size(), false) {
   for (const Face& face : tangle.surface.faces) has_faces_[face.body] = true;
 }
@@ -27,7 +27,7 @@ std::vector<Pair> Gaps::near_pairs() const {
   for (std::size_t i = 0; i < x.size(); ++i) boxes[i].include(x[i]);
   return find_pairs(tangle_.surface, all_figures(tangle_.surface), boxes,
                     std::vector<char>(static_cast<std::size_t>(tangle_.surface.sheet_points), 1),
-                    tangle_.options.contact_distance);
+                    tangle_.options.activation_distance);
 }
 
 Closest Gaps::closest_of(const Pair& pair) const {

@@ -10,7 +10,7 @@
 
 namespace voile::untangle {
 
-/// Fraction of the contact distance: smaller gaps are widened, so that no barrier acts at the start.
+/// Fraction of the activation distance: smaller gaps are widened, so that no barrier acts at the start.
 inline constexpr double least_gap = 1.0;
 
 class Gaps {
@@ -20,7 +20,7 @@ class Gaps {
   /// Widens gaps that are too small: those of pairs with planes, balls and capsules, whose distance tells inside from
   /// outside, or all.
   void widen(bool all);
-  /// Infinite: none is below the contact distance. That of neighbours (neighbours.hpp) counts over its fraction. [m]
+  /// Infinite: none is below the activation distance. That of neighbours (neighbours.hpp) counts over its fraction. [m]
   [[nodiscard]] double smallest() const;
 
  private:

@@ -99,7 +99,7 @@ Vec3 back_through(const Tangle& tangle, const Piercing& p, Index end) {
   Vec3 n = tangle.normal(p.face);
   if (n.dot(x[other] - x[end]) < 0.0) n = -n;
   const double gap =
-      s.offset(s.body_of_point[end], s.body_of_point[corner]) + wanted_gap * tangle.options.contact_distance;
+      s.offset(s.body_of_point[end], s.body_of_point[corner]) + wanted_gap * tangle.options.activation_distance;
   return (n.dot(x[corner] - x[end]) + gap) * n;
 }
 

@@ -48,7 +48,7 @@ std::vector<char> inside(const Tangle& tangle, const Solid& solid, const std::se
 /// The shortest way from a place to a wide enough gap outside. [m]
 Vec3 way_out(const Tangle& tangle, const Solid& solid, const Vec3& p) {
   const std::vector<Vec3>& x = tangle.x;
-  const double distance = tangle.options.contact_distance;
+  const double distance = tangle.options.activation_distance;
   double best = std::numeric_limits<double>::infinity();
   Vec3 way = Vec3::Zero(), out = Vec3::UnitZ();
   for (const auto& [a, b, c] : solid.triangles) {

@@ -13,7 +13,7 @@
 
 namespace voile::untangle {
 
-/// Fraction of the contact distance to which gaps are widened.
+/// Fraction of the activation distance to which gaps are widened.
 inline constexpr double wanted_gap = 1.05;
 /// Piercing places count within so much of a triangle or edge beside it: the exact test has said that they meet.
 inline constexpr double tolerance = 1e-9;

@@ -143,7 +143,7 @@ UntangleResult untangle(const Surface& surface, const std::vector<Plane>& planes
       best = r;
       best_x = x;
     }
-    const bool wide = r.gap >= least_gap * options.contact_distance;
+    const bool wide = r.gap >= least_gap * options.activation_distance;
     // A round that moved nothing is the last: so would be all others.
     if ((r.done && wide) || r.rounds == options.rounds || r.farthest > options.limit || x == before) break;
     before = x;

@@ -32,9 +32,9 @@ namespace voile::untangle {
 using namespace contact;
 
 struct UntangleOptions {
-  double contact_distance = 1e-3;  ///< parts that are nearer are moved to about this [m]
-  double limit = 0.0;              ///< no vertex may move further: the intersection is not shallow [m]
-  int rounds = 100;                ///< at most
+  double activation_distance = 1e-3;  ///< parts that are nearer are moved to about this [m]
+  double limit = 0.0;                 ///< no vertex may move further: the intersection is not shallow [m]
+  int rounds = 100;                   ///< at most
 };
 
 struct UntangleResult {

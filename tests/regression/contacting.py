@@ -232,7 +232,7 @@ def friction_at_rest(report):
 
 @test
 def start_inside(report):
-    """A sheet that begins within the contact distance is let out gently; that its barrier grows is not taken for energy that steps create."""
+    """A sheet that begins within the activation distance is let out gently; that its barrier grows is not taken for energy that steps create."""
     case = {"analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.1, "n": 4}, "translate": [0, 0, 9e-4]},
             "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 1e-3, "density": 200.0}],
             "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "contact": {"distance": 1e-3, "stiffness": 1e3},

@@ -384,7 +384,7 @@ def ledger_lifted(report):
     long, short = (solve(f"ledger_lifted_{step:g}", variant(lifted, {"time.step": step}), 1).history for step in (2e-3, 5e-4))
     report.percent(long["work_of_obstacles"][-1] / short["work_of_obstacles"][-1], 5e-4, "work of the floor in long steps against short ones")
     report.percent(long["numerical_loss"][-1] / short["numerical_loss"][-1], 0.08, "what the first touch takes")
-    # A sheet that begins within the contact distance, on a floor that rises at once: m (v^2 / 2 + g s), and its settling beside it.
+    # A sheet that begins within the activation distance, on a floor that rises at once: m (v^2 / 2 + g s), and its settling beside it.
     settling = variant(lifted, {"obstacle.0.point": [0, 0, -0.0007], "obstacle.0.motion": ["0", "0", "1.5*t*t"], "time.end": 0.15,
                                 "contact": {"distance": 1e-3, "settle_time": 0.1}})
     corners = [(x, y, z) for z in (-0.1, -0.0007) for y in (-0.2, 0.4) for x in (-0.2, 0.5)]

@@ -12,7 +12,7 @@ PAGES = ROOT / "docs" / "howto"
 STRIP = {"choose-contact-numbers": "dynamic", "damp-a-motion": "dynamic", "define-a-laminate": "static", "find-modes": "modal", "find-a-frequency-response": "harmonic",
          "fix-convergence": "static", "follow-a-path": "static", "heat-a-sheet": "static", "hold-rigidly": "static", "inflate-a-membrane": "static", "measure-forces": "static", "move-supports": "dynamic",
          "prestress": "static", "read-results-in-paraview": "static", "remesh": "static", "repeat-a-cell": "static", "restart": "dynamic",
-         "start-inside-the-contact-distance": "dynamic", "tune-petsc": "static"}
+         "start-inside-the-activation-distance": "dynamic", "tune-petsc": "static"}
 # Groups of a reader's mesh -> groups of the strip.
 GROUPS = {"edge": "tip", "C": "tip", "front/0": "tip", "hem": "tip", "clamp": "clamp", "tip": "tip", "balloon": "plate"}
 

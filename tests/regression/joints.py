@@ -301,7 +301,7 @@ def joint_moebius(report):
 
 @test
 def joint_wedge(report):
-    """Neighbours across an acute joint do not push each other, though they lie far within the contact distance."""
+    """Neighbours across an acute joint do not push each other, though they lie far within the activation distance."""
     for degrees in (10, 90):
         p = Panels()
         for k, a in enumerate((0, math.radians(degrees), math.pi)):

@@ -235,7 +235,7 @@ def two_sheets(height, shift=(0.0, 0.0)):
 
 @test
 def starts(report):
-    """voile check tells a start that intersects, touches exactly, lies inside the contact distance, or doubles a sheet."""
+    """voile check tells a start that intersects, touches exactly, lies inside the activation distance, or doubles a sheet."""
     floor = {"name": "floor", "type": "plane", "normal": [0, 0, 1]}
     ball = {"name": "ball", "type": "sphere", "point": [0.5, 0.5, -0.3], "radius": 0.31}
     for ranks in (1, 2, 3):
@@ -243,7 +243,7 @@ def starts(report):
         report.check(code == 2 and re.search(r"the start intersects: \d+ pair\(s\) of sheet and ball", text) and "untangle = true" in text
                      and "[[contact_rule]]" in text, f"{ranks} rank(s), a ball through the sheet: code {code}: {text[-230:]}")
         code, text = check_start("inside", [floor | {"point": [0, 0, -4e-4]}], ranks)
-        report.check(code == 0 and "lies inside the contact distance of 0.001 m: 25 pair(s), smallest gap 0.0004 m" in text
+        report.check(code == 0 and "lies inside the activation distance of 0.001 m: 25 pair(s), smallest gap 0.0004 m" in text
                      and "floor" in text and "settle_time" in text, f"{ranks} rank(s), 0.4 mm over a floor: code {code}: {text[-400:][:250]}")
     for name, obstacles in (("plane", [floor | {"point": [0, 0, 0]}]), ("ball", [ball | {"radius": 0.3}]),
                             ("rod", [{"name": "rod", "type": "capsule", "point": [0.2, 0.5, -0.1], "end": [0.8, 0.5, -0.1], "radius": 0.1}]),
@@ -266,7 +266,7 @@ def starts(report):
     code, text = check_start("double_thick", [], mesh__file=two_sheets(5e-4), contact__thickness=1e-3, **mesh)
     report.check(code == 2 and "by 0.0005 m" in text, f"0.5 mm apart and 1 mm thick: code {code}: {text[-250:]}")
     code, text = check_start("double_apart", [], mesh__file=two_sheets(5e-3), **mesh)
-    report.check(code == 0 and "contact distance" not in text, f"5 mm apart: code {code}")
+    report.check(code == 0 and "activation distance" not in text, f"5 mm apart: code {code}")
 
 
 # ----------------------------------------------------------------------------------------------------------- clamps

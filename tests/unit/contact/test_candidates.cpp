@@ -70,7 +70,7 @@ TEST_CASE("a flat sheet that rests has few candidates, however small its cells a
   const mesh::SurfaceMesh mesh(grid(20, 20, false, 0.0));
   const Surface s = make_surface(mesh, {{"sheet", 0.0}}, {});
   const double cell = std::sqrt(s.area[static_cast<std::size_t>(s.sheet_points / 2)]);
-  for (const double cells : {0.01, 0.2, 0.45}) {  // contact distance
+  for (const double cells : {0.01, 0.2, 0.45}) {  // activation distance
     CAPTURE(cells);
     Candidates candidates(s, cells * cell, std::vector<char>(static_cast<std::size_t>(s.sheet_points), 1));
     candidates.cover(s.rest, s.rest, nullptr);

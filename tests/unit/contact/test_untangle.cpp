@@ -73,7 +73,7 @@ struct Scene {
   untangle::UntangleResult untangle(double limit, int rounds = 100) {
     const untangle::UntangleResult r = untangle::untangle(
         surface, planes, free, [&](const std::vector<Vec3>& at) { return find(at); },
-        {.contact_distance = d, .limit = limit, .rounds = rounds}, x);
+        {.activation_distance = d, .limit = limit, .rounds = rounds}, x);
     CAPTURE(r.rounds);
     CAPTURE(r.left);
     CAPTURE(r.gap);
@@ -216,7 +216,7 @@ TEST_CASE("untangle: what lies exactly in one another is parted by half the dist
   CHECK(r.rounds < 5);
 }
 
-TEST_CASE("untangle: gaps below the contact distance are widened where nothing intersects") {
+TEST_CASE("untangle: gaps below the activation distance are widened where nothing intersects") {
   for (const double gap : {0.95, 0.92, 0.5}) {
     CAPTURE(gap);
     const auto above = [&](const Vec3& x) { return Vec3(x[0] + 0.013, x[1] - 0.017, gap * d); };

@@ -1,4 +1,4 @@
-// Contact in motion: impact, moving obstacles, starts within the contact distance.
+// Contact in motion: impact, moving obstacles, starts within the activation distance.
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
@@ -190,7 +190,7 @@ TEST_CASE("the positive tangent takes friction's secant where slips have grown")
   CHECK(std::abs(stiffness(1.2 * moved)) < 1e-3 * friction * std::abs(normal) / moved);  // no longer growing much
 }
 
-TEST_CASE("a start inside the contact distance is let out gently") {
+TEST_CASE("a start inside the activation distance is let out gently") {
   const double d = 0.01, settle_time = 0.1, mass = 0.3;
   for (const int count : {1, 2, 5})  // of five, the inner ones are balanced at first
     for (const double fraction : {0.99, 0.5, 0.3})

@@ -32,7 +32,7 @@ mesh::MeshData with_sliver(int count, double distance) {
 
 }  // namespace
 
-TEST_CASE("slivers: neighbours nearer than the contact distance are at rest, and other sheets are still felt") {
+TEST_CASE("slivers: neighbours nearer than the activation distance are at rest, and other sheets are still felt") {
   const double d = 0.02;
   Problem one(with_sliver(1, 0.0), input({}, d));
   CHECK(one.model.contact()->scene().input().notes.size() == 1);
