@@ -149,7 +149,7 @@ class VOILE_API Simulation {
   /// The unknowns of the present state: a copy. Three per vertex in the vertex's own axes, numbered by ranks. [m]
   [[nodiscard]] Vec unknowns() const;
   /// Internal minus applied forces at x, without inertia, at the time, load factor and forces in force [N]; in components that
-  /// supports hold how far x is from what they prescribe [m].
+  /// supports hold how far x is from what they prescribe [m]. Of the nonlinear equations, also where the analysis is linear.
   [[nodiscard]] Vec residual(Vec x) const;
   /// The derivative of the residual at x; rows and columns of what supports hold are those of the unit matrix. [N/m]
   [[nodiscard]] Mat tangent(Vec x) const;

@@ -104,6 +104,7 @@ bool strain_jumps(const Sheet& sheet, Index t, int s) {
   if (options.membrane == MembraneOperator::cst || options.bending == BendingOperator::six_node || other == no_index)
     return false;
   const Material &mine = sheet.material(t), &theirs = sheet.material(other);
+  if (sheet.zone(t) != sheet.zone(other) && !(mine.expansion.isZero(0.0) && theirs.expansion.isZero(0.0))) return true;
   const bool same = sheet.material_index(t) == sheet.material_index(other);
   if (same && !mine.direction && !mine.texture_direction) return false;
   const double turn = turn_across(sheet, t, s, other);

@@ -52,7 +52,7 @@ bool RecoveryError::goes_on(Index t, int s) const {
   const mesh::SurfaceMesh& mesh = sheet_->mesh();
   const Index next = mesh.neighbour(t, s);
   if (next == no_index || sheet_->patches().apex(t, s) == no_index || sheet_->is_crease(t, s) ||
-      sheet_->material_index(t) != sheet_->material_index(next))
+      sheet_->material_index(t) != sheet_->material_index(next) || sheet_->zone(t) != sheet_->zone(next))
     return false;
   const mesh::Join join = mesh.chart_join(t, s);
   const Material& m = sheet_->material(t);

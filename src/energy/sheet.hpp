@@ -37,15 +37,17 @@ struct BendingSide {
 /// References patches and materials, which must outlive it. Throws as material_axes() does.
 class Sheet {
  public:
-  /// `seams`: each side named from both of its triangles.
+  /// `seams`: each side named from both of its triangles. `zones`: per triangle, another one where the temperature may jump;
+  /// empty: nowhere.
   Sheet(const mesh::PatchMesh& patches, const std::vector<Material>& materials, std::vector<int> material_of,
-        const ElementOptions& options, std::vector<BendingSide> seams = {})
+        const ElementOptions& options, std::vector<BendingSide> seams = {}, std::vector<int> zones = {})
       : patches_(&patches),
         materials_(&materials),
         material_of_(std::move(material_of)),
         axes_(material_axes(patches.mesh(), materials, material_of_)),
         options_(options),
-        seams_(std::move(seams)) {
+        seams_(std::move(seams)),
+        zones_(std::move(zones)) {
     for (const BendingSide& s : seams_)
       if (s.factor < 1.0) folds_.insert(3 * s.side.triangle + s.side.side);
   }
@@ -67,6 +69,8 @@ class Sheet {
   [[nodiscard]] bool is_crease(Index t, int s) const {
     return patches_->rest_dihedral(t, s) > options_.crease_angle || (!folds_.empty() && folds_.contains(3 * t + s));
   }
+  /// Part of the sheet with a temperature of its own that triangle t is in.
+  [[nodiscard]] int zone(Index t) const { return zones_.empty() ? 0 : zones_[static_cast<std::size_t>(t)]; }
   /// Triangles whose material axis is continued from neighbours.
   [[nodiscard]] Index continued_axes() const { return axes_.continued; }
 
@@ -77,6 +81,7 @@ class Sheet {
   MaterialAxes axes_;
   ElementOptions options_;
   std::vector<BendingSide> seams_;
+  std::vector<int> zones_;
   std::unordered_set<Index> folds_;  ///< 3 t + s of the sides that bend more easily
 };
 

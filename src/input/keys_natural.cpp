@@ -5,7 +5,12 @@ namespace voile::input {
 
 std::vector<Key> keys_of(system::Temperature& s) {
   return {
-      {.name = "group", .slot = GroupList{&s.group}, .meaning = "Physical surface.", .absent = "the whole surface"},
+      {.name = "group",
+       .slot = GroupList{&s.group},
+       .meaning =
+           "Physical surface. At its border `change` may jump; elsewhere a jump within a cell or two makes forces "
+           "beside it oscillate.",
+       .absent = "the whole surface"},
       {.name = "change",
        .slot = &s.change.text,
        .meaning = "Mean change over the thickness, an expression of x, y and z at the start and of the time t, in "

@@ -291,7 +291,7 @@ std::vector<double> Recorder::common_values(const system::State& state, const so
           n.residual,
           pivots,
           r.critical ? static_cast<double>(r.critical->kind) : 0.0,
-          r.critical ? r.critical->load_factor : std::nan(""),
+          r.critical && solve::is_located(*r.critical) ? r.critical->load_factor : std::nan(""),
           wall_seconds()};
 }
 

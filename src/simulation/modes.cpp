@@ -170,6 +170,9 @@ VibrationModes find_vibration(const input::Case& c, system::Model& model, Vec a)
   }
 }
 
+/// Beyond it a critical load of linear buckling is not that of the path.
+constexpr double most_nonlinearity = 0.1;
+
 /// What modes of vibration have besides; of buckling nothing.
 struct Vibration {
   std::vector<solve::Participation> parts;
@@ -208,6 +211,13 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
                "voile: warning: the equilibrium is unstable: {} mode(s) grow, and have their rate as a negative "
                "frequency\n",
                result.negative);
+  if (root && !(result.nonlinearity <= most_nonlinearity))
+    fmt::print(
+        stderr,
+        "voile: warning: up to mode 1 the sheet deflects {} out of proportion to its load; the load of its path may "
+        "differ about as much from that of the mode; choose a larger eigen.load_factor, or follow the path "
+        "(analysis = \"static\", control = \"arc_length\")\n",
+        result.nonlinearity < 1.0 ? fmt::format("by {:.2g} %", 100.0 * result.nonlinearity) : "by more than 100 %");
   summary.converged = static_cast<int>(result.modes.size()) >= result.asked_for;
   if (!summary.converged)
     summary.reason = fmt::format("{} of {} modes found{}", result.modes.size(), result.asked_for,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -116,7 +117,8 @@ Step Simulation::advance() {
 bool Simulation::advance_to(double t) {
   const Call call(*impl_);
   if (!impl_->moves()) throw UserError("advance_to() is for analysis = \"dynamic\"; use advance()");
-  if (!(t >= time()))
+  if (std::isnan(t)) throw UserError("advance_to(): t is not a number");
+  if (t < time())
     throw UserError(
         fmt::format("advance_to({:g} s): that is before the present, t = {:g} s; restore() goes back", t, time()));
   return impl_->take_steps([&] {

@@ -65,14 +65,19 @@ petsc::MatHandle lumped_mass(const system::Model& model) {
   return m;
 }
 
-/// Largest component of the displacement in global axes becomes 1.
+/// The largest displacement becomes 1, its largest component positive.
 void normalise(const system::Model& model, Vec shape) {
-  std::vector<double> u = model.dofs().gather_change(shape);
-  std::vector<double> largest(1, 0.0);
-  for (const double x : u)
-    if (std::abs(x) > std::abs(largest[0]) * (1.0 + 1e-9)) largest[0] = x;
-  mpi::broadcast(model.dofs().comm(), largest);
-  if (largest[0] != 0.0) VOILE_PETSC(VecScale(shape, 1.0 / largest[0]));
+  const std::vector<double> u = model.dofs().gather_change(shape);
+  Vec3 largest = Vec3::Zero();
+  for (std::size_t i = 0; i + 2 < u.size(); i += 3) {
+    const Vec3 here(u[i], u[i + 1], u[i + 2]);
+    if (here.norm() > largest.norm() * (1.0 + 1e-9)) largest = here;
+  }
+  Eigen::Index axis = 0;
+  (void)largest.cwiseAbs().maxCoeff(&axis);
+  std::vector<double> scale{std::copysign(largest.norm(), largest[axis])};
+  mpi::broadcast(model.dofs().comm(), scale);
+  if (scale[0] != 0.0) VOILE_PETSC(VecScale(shape, 1.0 / scale[0]));
 }
 
 /// SLEPc's own test, and the end of the iteration where a signal asks for it.
@@ -325,25 +330,6 @@ EigenResult vibration_modes(system::Model& model, Vec a, int count, Mat mass) {
   return result;
 }
 
-namespace {
-
-/// Leaves out modes whose eigenvalue is what round-off leaves of stresses that are not there: with a larger step it is another.
-void drop_round_off(system::Model& model, Vec a, Vec load_solution, Mat change, std::vector<Mode>& modes) {
-  constexpr double larger = 3.0, alike = 0.02;
-  const petsc::MatHandle again = load_stiffness(model, a, load_solution, larger);
-  const petsc::VecHandle product = model.dofs().create_vector();
-  std::erase_if(modes, [&](const Mode& mode) {
-    double once = 0.0, twice = 0.0;
-    VOILE_PETSC(MatMult(change, mode.shape, product));
-    VOILE_PETSC(VecDot(product, mode.shape, &once));
-    VOILE_PETSC(MatMult(again, mode.shape, product));
-    VOILE_PETSC(VecDot(product, mode.shape, &twice));
-    return !(std::abs(once + twice) <= alike * std::abs(once));  // `change` has the other sign
-  });
-}
-
-}  // namespace
-
 EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int count) {
   linear::LinearSolver& linear = newton.linear_solver();
   EigenResult result;
@@ -366,7 +352,8 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   if (linear.negative_eigenvalues() > 0)
     throw UserError(
         "the equilibrium is unstable already; choose a lower eigen.load_factor, or begin at an earlier state");
-  const petsc::MatHandle change = load_stiffness(model, a, load_solution);
+  const LoadResponse response{model, a, load_solution};
+  const petsc::MatHandle change = load_stiffness(response);
   VOILE_PETSC(MatScale(change, -1.0));
   VOILE_PETSC(MatNorm(change, NORM_FROBENIUS, &size));
   result.asked_for = count;
@@ -389,8 +376,11 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
                result);
   keep_positive();
   const std::size_t found = result.modes.size();
-  drop_round_off(model, a, load_solution, change, result.modes);
+  VOILE_PETSC(MatScale(change, -1.0));
+  drop_round_off(response, change, result.modes);
   if (result.modes.size() < found) result.missed = 0;  // of round-off there are always more
+  if (!result.modes.empty())
+    result.nonlinearity = nonlinearity(response, linear, 1.0 / result.modes.front().eigenvalue);
   for (Mode& mode : result.modes) mode.value = model.conditions().load_factor() + 1.0 / mode.eigenvalue;
   return result;
 }

@@ -30,7 +30,7 @@ struct Mode {
   double imaginary = 0.0;   ///< of it: not 0 where loads without a potential make it grow (flutter)
   double value = 0.0;       ///< frequency [Hz], or critical load factor
   double residual = 0.0;    ///< backward error: |A x - theta B x| / ((|A| + |theta| |B|) |x|)
-  petsc::VecHandle shape;   ///< unknowns, largest component of the displacement 1
+  petsc::VecHandle shape;   ///< unknowns, the largest displacement 1
 };
 
 /// Whether its imaginary part is more than round-off.
@@ -40,10 +40,11 @@ struct Mode {
 
 struct EigenResult {
   std::vector<Mode> modes;
-  int asked_for = 0;  ///< options may ask for another number than the caller
-  long missed = 0;    ///< modes that are there before the last, by Sylvester's law, and have not been found
-  long lower = 0;     ///< modes below the first that -eps_target leaves out
-  long negative = 0;  ///< modes of vibration that grow: the equilibrium is unstable
+  int asked_for = 0;          ///< options may ask for another number than the caller
+  long missed = 0;            ///< modes that are there before the last, by Sylvester's law, and have not been found
+  long lower = 0;             ///< modes below the first that -eps_target leaves out
+  long negative = 0;          ///< modes of vibration that grow: the equilibrium is unstable
+  double nonlinearity = 0.0;  ///< of the response to the load up to the first mode of buckling, by its first correction
 };
 
 /// M, with zero rows where the displacement is fixed. [kg]
@@ -74,8 +75,8 @@ class MassMatrix {
 
 /// How much a mode takes part in the rigid motions of RigidInertia; symbols there.
 struct Participation {
-  double mass = 0.0;                                              ///< m, with the largest component of the mode 1 [kg]
-  std::array<double, system::RigidInertia::motions> factor{};     ///< L_k/m
+  double mass = 0.0;                                           ///< m, with the largest displacement of the mode 1 [kg]
+  std::array<double, system::RigidInertia::motions> factor{};  ///< L_k/m
   std::array<double, system::RigidInertia::motions> effective{};  ///< L_k^2/m; not a number: not known [kg], [kg m^2]
 };
 /// Of each mode. Collective.

@@ -206,11 +206,18 @@ NewtonResult PathFollower::Impl::locate(Vec a, double& lambda, const Constraint&
   for (int k = 0; k < locating_steps; ++k) {
     const double fraction_of = low_value * high_value < 0.0 ? low_value / (low_value - high_value) : 0.5;
     const double part = low + std::clamp(fraction_of, 0.05, 0.95) * (high - low);
-    predict(fraction(constraint, part), lambda);
-    n = correct(a, lambda, fraction(constraint, part));
-    iterations += n.iterations;
-    if (!n.converged) return n;
-    after = tangent_at(a);
+    bool singular = false;
+    // Where the tangent is singular to round-off the point is there: a little before it the load is the same.
+    for (double short_of = 0.0; short_of < 0.1; short_of = std::max(10.0 * short_of, 1e-4)) {
+      predict(fraction(constraint, part * (1.0 - short_of)), lambda);
+      n = correct(a, lambda, fraction(constraint, part * (1.0 - short_of)));
+      iterations += n.iterations;
+      if (!n.converged) return n;
+      after = tangent_at(a);
+      if (after.good) break;
+      singular = true;
+    }
+    if (singular) break;
     const bool behind = after.negative_pivots != tangent.negative_pivots;
     (behind ? high : low) = part;
     (behind ? high_value : low_value) = after.eigenvalue;

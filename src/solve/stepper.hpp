@@ -26,6 +26,10 @@ struct CriticalPoint {
   /// Of a bifurcation whose eigenvalue was not followed: between these, the load factors of the two states.
   std::optional<std::array<double, 2>> between{};
 };
+/// Whether its load factor is more than the middle of a step.
+[[nodiscard]] inline bool is_located(const CriticalPoint& p) {
+  return p.kind != CriticalPoint::Kind::bifurcation || !p.between;
+}
 [[nodiscard]] const char* name(CriticalPoint::Kind kind);
 /// What it is and at which load factor.
 [[nodiscard]] std::string text_of(const CriticalPoint& point);

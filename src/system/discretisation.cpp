@@ -43,6 +43,21 @@ std::vector<char> candidate_triangles(const mesh::SurfaceMesh& mesh, const std::
   return triangle;
 }
 
+/// Per triangle, another number where other groups of temperatures are; empty if all hold everywhere.
+std::vector<int> heated_zones(const mesh::SurfaceMesh& mesh, const std::vector<Temperature>& temperatures) {
+  std::map<std::pair<int, std::size_t>, int> numbers;
+  std::vector<int> zones;
+  for (std::size_t k = 0; k < temperatures.size(); ++k) {
+    if (temperatures[k].group.empty() || !temperatures[k].change.value) continue;
+    zones.resize(static_cast<std::size_t>(mesh.triangle_count()), 0);
+    for (const Index t : mesh.group(temperatures[k].group, 2).triangles) {
+      int& zone = zones[static_cast<std::size_t>(t)];
+      zone = numbers.try_emplace({zone, k}, static_cast<int>(numbers.size()) + 1).first->second;
+    }
+  }
+  return zones;
+}
+
 }  // namespace
 
 std::vector<Index> vertices_of(const mesh::PatchMesh& patches, const std::vector<Index>& points) {
@@ -88,8 +103,9 @@ Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std
     std::vector<int> material_of = energy::assign_materials(mesh, materials_);
     add_allowances(mesh, seams.rules, materials_, material_of);
     sheet_ = std::make_unique<energy::Sheet>(sheet_patches(), materials_, std::move(material_of), options,
-                                             bending_across_seams(mesh, seams.rules));
-    if (own_patches_) continue_sheet(options);
+                                             bending_across_seams(mesh, seams.rules),
+                                             heated_zones(mesh, couplings.temperatures));
+    if (own_patches_) continue_sheet(options, couplings.temperatures);
     joint_factors_ = bending_of_joints(mesh, seams.rules);
     needed = find_elements(couplings);
   });
@@ -110,9 +126,12 @@ void Discretisation::make_patches() {
                                                continued_mirrors(beyond, constraints_.mirrors, constraints_.turned_by));
 }
 
-void Discretisation::continue_sheet(const energy::ElementOptions& options) {
-  continued_ = std::make_unique<energy::Sheet>(*patches_, materials_,
-                                               energy::assign_materials(patches_->mesh(), materials_), options);
+void Discretisation::continue_sheet(const energy::ElementOptions& options,
+                                    const std::vector<Temperature>& temperatures) {
+  const mesh::SurfaceMesh& mesh = patches_->mesh();
+  continued_ =
+      std::make_unique<energy::Sheet>(*patches_, materials_, energy::assign_materials(mesh, materials_), options,
+                                      std::vector<energy::BendingSide>{}, heated_zones(mesh, temperatures));
 }
 
 Discretisation::GatheredSheet Discretisation::gathered_sheet(const std::vector<mesh::Gather>& seams) const {

@@ -31,10 +31,11 @@ struct HingedEdge;
 
 class Discretisation {
  public:
-  /// What couples vertices, besides the sheet.
+  /// What couples vertices besides the sheet, and whose borders part its strains.
   struct Couplings {
     const std::vector<Spring>& springs;
     const std::vector<Hinge>& hinges;
+    const std::vector<Temperature>& temperatures;
   };
   /// A triangle whose elements this rank evaluates.
   struct Element {
@@ -125,7 +126,7 @@ class Discretisation {
   void prepare_bodies(const std::vector<RigidGroup>& rigid);
   /// Patches and sheets of a mesh, and of what continues it.
   void make_patches();
-  void continue_sheet(const energy::ElementOptions& options);
+  void continue_sheet(const energy::ElementOptions& options, const std::vector<Temperature>& temperatures);
   [[nodiscard]] std::vector<int> holders() const;
   void need(const std::vector<Index>& points, std::vector<char>& needed) const;
   [[nodiscard]] bool owns_vertex(Index v) const { return partition_.vertex_rank[v] == rank_; }

@@ -27,10 +27,10 @@ const std::vector<Support>& with_followers(ModelInput& input) {
 }
 
 Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
-    : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input),
-                                           Discretisation::Couplings{input.springs, input.natural.hinges},
-                                           input.element, Seams{std::move(input.seams), input.sewing.seams},
-                                           input.rigid, input.periodic)),
+    : on_(std::make_unique<Discretisation>(
+          comm, mesh, std::move(input.materials), with_followers(input),
+          Discretisation::Couplings{input.springs, input.natural.hinges, input.natural.temperatures}, input.element,
+          Seams{std::move(input.seams), input.sewing.seams}, input.rigid, input.periodic)),
       conditions_(std::make_unique<BoundaryConditions>(*on_, std::move(input.supports), input.loads, input.masses,
                                                        input.motion_by_load, std::move(input.rigid), input.periodic)) {
   if (input.contact.active)

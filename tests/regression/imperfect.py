@@ -184,7 +184,10 @@ def arch_between(report):
         "support": [{"type": "hinged", "group": ["clamp", "tip"]}], "load": [{"type": "area", "vector": [0, 0, -1000], "distribution": "sin(pi*x)"}],
         "probe": [{"name": "middle", "type": "displacement", "point": [0.5, 0.05, 0], "components": ["z"]}],
         "steps": {"control": "arc_length", "control_probe": "middle", "final_displacement": -0.013, "initial_step": 0.02, "max_step": 0.05}}
-    found = solve("arch_between", case).summary["critical_points"]
+    between = solve("arch_between", case)
+    found, history = between.summary["critical_points"], between.history
+    at = history["critical_load_factor"][history["critical"] == 2]
+    report.check(len(at) == 1 and np.isnan(at[0]), f"history.csv has no load factor for it: {at}")
     report.check([c["kind"] for c in found] == ["limit point", "bifurcation point"], f"what is passed: {[c['kind'] for c in found]}")
     low, high = sorted(found[1].get("between", [0, 0]))
     report.check(low < 0.2184 < high, f"the bifurcation, 0.2184 by switch_branch, lies between {low:.4g} and {high:.4g}")

@@ -234,6 +234,16 @@ def said_buckling(report):
     for start, limit in ((0.0, 0.04), (0.9 * first, 0.002)):
         linear = solve("said_arch", case | {"analysis": "buckling", "eigen": {"modes": 1, "load_factor": start}, "steps": {}})
         report.percent(linear.summary["eigenvalues"][0] / first, limit, f"shallow arch from a factor of {start:.3g}: of its path's {first:.4g}")
+        report.check(("out of proportion" in linear.text) == (start == 0.0), "a warning where it deflects far on the way")
+    # With a hinge at its crown it deflects as much as its rise before it snaps through.
+    crown = ("crown", 1, [(j * (n + 1) + n // 2, (j + 1) * (n + 1) + n // 2) for j in range(8)])
+    write_msh(arch, points, [*sides, crown, ("arch", 2, np.array(cells))])
+    case["hinge"] = [{"group": "crown", "stiffness": 1e-6}]
+    first = solve("said_crown_path", case).summary["critical_points"][0]["load_factor"]
+    for start in (0.0, 0.98 * first):
+        linear = solve("said_crown", case | {"analysis": "buckling", "eigen": {"modes": 1, "load_factor": start}, "steps": {"max_step": 0.02, "initial_step": 0.02}})
+        off = linear.summary["eigenvalues"][0] / first - 1
+        report.check((abs(off) > 0.05) == ("out of proportion" in linear.text), f"with a hinge at its crown, from {start:.3g}: off by {100 * off:.1f} %, of {first:.4g}")
     bent = strip("buckling", load=[{"type": "line", "group": "tip", "vector": [0, 0, 0.4]}], eigen={"modes": 2})
     done = run(write_case(bent, OUT / "said_bent.toml"), fresh("said_bent"))
     report.check(done.code == 3 and "0 of 2 modes found" in done.text, f"a cantilever that only bends: code {done.code}, {done.text[-200:]}")

@@ -98,6 +98,16 @@ TEST_CASE("a free plate has exactly six rigid modes") {
   CHECK(first == relative(13.468 * std::sqrt(stiffness() / density) / (2.0 * pi)).epsilon(0.02));
 }
 
+TEST_CASE("the largest displacement of a mode is 1, wherever it points") {
+  Plate plate(mapped(grid(6, 6, true, 0.0), [](const Vec3& x) { return Vec3(0.8 * x[0], x[1], 0.6 * x[0]); }), false);
+  const solve::EigenResult r = solve::vibration_modes(plate.model, plate.a, 7, Mass::consistent);
+  REQUIRE(r.modes.size() == 7);
+  const std::vector<double> u = plate.model.dofs().gather_change(r.modes[6].shape);
+  double largest = 0.0;
+  for (std::size_t i = 0; i + 2 < u.size(); i += 3) largest = std::max(largest, std::hypot(u[i], u[i + 1], u[i + 2]));
+  if (!u.empty()) CHECK(largest == relative(1.0).epsilon(1e-12));
+}
+
 TEST_CASE("the mass matrix knows the mass, its first moment, supports and oblique axes") {
   mesh::MeshData d = grid(5, 4, true, 0.2);
   add_square_groups(d);
