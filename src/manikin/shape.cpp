@@ -286,53 +286,6 @@ double Shape::operator()(const Vec3& p) const {
   return smooth_min(body(p), arm(p), 0.025);
 }
 
-double Shape::tape(double z) const {
-  constexpr int rays = 360;
-  std::vector<Vec2> points;
-  for (int i = 0; i < rays; ++i) {
-    const double angle = 2.0 * pi * i / rays;
-    const Vec2 direction(std::cos(angle), std::sin(angle));
-    double inside = 0.0, outside = 0.6;
-    for (int k = 0; k < 40; ++k) {
-      const double r = 0.5 * (inside + outside);
-      (body(Vec3(r * direction.x(), r * direction.y(), z)) < 0.0 ? inside : outside) = r;
-    }
-    points.emplace_back(inside * direction);
-  }
-  return hull_perimeter(std::move(points));
-}
-
-Shape Shape::tuned(const Measurements& m, Kind kind) {
-  Shape shape(m, kind);
-  const std::array asked{m.bust, m.waist, m.hip};
-  const std::array at{shape.levels_.bust, shape.levels_.waist, shape.levels_.hip};
-  for (int k = 0; k < 12; ++k) {
-    for (std::size_t i = 0; i < 3; ++i) shape.scale_[i] *= asked[i] / shape.tape(at[i]);
-    shape.build();
-  }
-  return shape;
-}
-
-double hull_perimeter(std::vector<Vec2> points) {
-  std::sort(points.begin(), points.end(),
-            [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
-  std::vector<Vec2> hull;
-  const auto walk = [&](const Vec2& p, std::size_t least) {
-    while (hull.size() > least) {
-      const Vec2 a = hull[hull.size() - 1] - hull[hull.size() - 2], b = p - hull[hull.size() - 2];
-      if (a.x() * b.y() - a.y() * b.x() > 0.0) break;
-      hull.pop_back();
-    }
-    hull.push_back(p);
-  };
-  for (const Vec2& p : points) walk(p, 1);
-  const std::size_t lower = hull.size();
-  for (std::size_t i = points.size() - 1; i-- > 0;) walk(points[i], lower);
-  double sum = 0.0;
-  for (std::size_t i = 0; i + 1 < hull.size(); ++i) sum += (hull[i + 1] - hull[i]).norm();
-  return sum;
-}
-
 double usual_height(Person person) {
   return person == Person::woman ? Measurements{}.height : person == Person::man ? 1.80 : 1.16;
 }

@@ -94,6 +94,8 @@ class Shape {
   [[nodiscard]] double trunk(const Vec3& p) const;
   [[nodiscard]] double head(const Vec3& p) const;
   [[nodiscard]] double stand(const Vec3& p) const;
+  /// How far the body reaches from its axis in a direction, at a height [m].
+  [[nodiscard]] double reach(const Vec2& direction, double z) const;
   /// Length of a tape around the section of the body at a height [m].
   [[nodiscard]] double tape(double z) const;
 

@@ -1,6 +1,6 @@
 // Ends the process, and with it the job, when one test case takes too long, and says which: a lost reduction hangs for ever.
 //
-// VOILE_TEST_LIMIT gives the limit in seconds of a test case; otherwise 120, three times as many with sanitizers. Ranks that wait
+// VOILE_TEST_LIMIT gives the limit in seconds of a test case; otherwise 120, five times as many with sanitizers. Ranks that wait
 // yield their core, so that on a machine with other work they get next to nothing of it: what has had less than a quarter of
 // the limit in CPU seconds may go on, up to five times the limit.
 #pragma once
@@ -19,10 +19,10 @@
 namespace voile::testing {
 
 #if defined(__SANITIZE_ADDRESS__)
-inline constexpr double usual_limit = 360.0;
+inline constexpr double usual_limit = 600.0;
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer)
-inline constexpr double usual_limit = 360.0;
+inline constexpr double usual_limit = 600.0;
 #else
 inline constexpr double usual_limit = 120.0;
 #endif
