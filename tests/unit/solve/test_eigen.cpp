@@ -105,7 +105,8 @@ TEST_CASE("the largest displacement of a mode is 1, wherever it points") {
   const std::vector<double> u = plate.model.dofs().gather_change(r.modes[6].shape);
   double largest = 0.0;
   for (std::size_t i = 0; i + 2 < u.size(); i += 3) largest = std::max(largest, std::hypot(u[i], u[i + 1], u[i + 2]));
-  if (!u.empty()) CHECK(largest == relative(1.0).epsilon(1e-12));
+  // Of two that are alike to 1e-9 it is the first, whatever round-off makes of them.
+  if (!u.empty()) CHECK(largest == relative(1.0).epsilon(1e-8));
 }
 
 TEST_CASE("the mass matrix knows the mass, its first moment, supports and oblique axes") {
