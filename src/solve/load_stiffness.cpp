@@ -83,7 +83,8 @@ double nonlinearity(const LoadResponse& of, linear::LinearSolver& linear, double
   of.model.assemble_tangent(of.a, {.kind = energy::Tangent::exact});
   linear.tangent_changed();
   double corrected = 0.0, size = 0.0;
-  if (!linear.solve_to(linear::well_solved, left, correction)) return 0.0;
+  // So far from an equilibrium that there may be no residual at all.
+  if (!linear.solve_to(linear::well_solved, left, correction)) return std::numeric_limits<double>::infinity();
   VOILE_PETSC(VecNorm(correction, NORM_2, &corrected));
   VOILE_PETSC(VecNorm(of.solution, NORM_2, &size));
   return corrected / std::max(mu * size, small_deflection(of.model)) * mu / (factor + mu);

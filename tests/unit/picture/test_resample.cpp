@@ -4,6 +4,7 @@
 
 #include "../test_adapt_kit.hpp"
 #include "../test_results_kit.hpp"
+#include "extent.hpp"
 #include "formats/point_cache.hpp"
 #include "picture/export.hpp"
 
@@ -199,7 +200,7 @@ TEST_CASE("a coarse mesh may lie beside a fine one by more than cells of that") 
     return mesh::SurfaceMesh(data);
   };
   // As after remeshing of a curved start: 0.05 m off, where cells are 0.25 and 0.08 m long.
-  const mesh::SurfaceMesh coarse = rolled(12, 1.05), fine = rolled(48, 1.0);
+  const mesh::SurfaceMesh coarse = rolled(12, 1.05), fine = rolled(extent(48, 32), 1.0);
   results::ResultsWriter writer = begin(folder.path, coarse);
   for (const mesh::SurfaceMesh* mesh : {&coarse, &fine}) {
     if (mesh == &fine) writer.begin_epoch(fine, ramp(fine.vertex_count()), ramp(fine.triangle_count()));
