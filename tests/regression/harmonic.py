@@ -263,7 +263,7 @@ def compared_modes(report):
     other = np.genfromtxt(table, delimiter=",", names=True)
     matrix = np.array([[row[str(j)] for j in range(1, 5)] for row in other])
     report.check(code == 0 and "meshes differ" in text and " of 2, 3" in text, "another mesh; the pair is one of a plane")
-    report.check(matrix[1:3, 1:3].max() < 0.9, f"no mode of the pair is one of the other's: {matrix[1:3, 1:3].round(3).tolist()}")
+    report.check(matrix[1:3, 1:3].max() < 0.98, f"no mode of the pair is one of the other's: {matrix[1:3, 1:3].round(3).tolist()}")
     report.below(abs(other["span"] - 1).max(), 0.005, "but each lies in the span of the other's")
     report.below(abs(mac(one.modes, two.modes) - matrix).max(), 1e-6, "Python agrees")
     report.below(abs(mac_span(one.modes, two.modes, [2, 3])[1:3] - other["span"][1:3]).max(), 1e-6, "in the span too")
