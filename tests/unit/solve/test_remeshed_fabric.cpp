@@ -121,7 +121,7 @@ TEST_CASE("flat fabric: a remeshed sheet stores the same in a uniform strain, wi
   SUBCASE("a direction") {
     energy::Material m = plain;
     m.direction = Vec3(0.8, 0.6, 0.3);
-    const mesh::SurfaceMesh first(square(Pattern::gmsh, 16)), next = changed(first, extent(0.05, 0.1));
+    const mesh::SurfaceMesh first(square(Pattern::gmsh, extent(16, 8))), next = changed(first, extent(0.05, 0.1));
     const double before = membrane_energy(first, {m}, stretched);
     CHECK(membrane_energy(next, {m}, stretched) == relative(before).epsilon(1e-12));
     CHECK(axis_error(next, {m}, [](Index, const Vec3&) { return Vec3(0.8, 0.6, 0.0); }) < 1e-7);
@@ -129,16 +129,16 @@ TEST_CASE("flat fabric: a remeshed sheet stores the same in a uniform strain, wi
     CHECK(std::abs(membrane_energy(next, {m}, stretched) / before - 1.0) > 0.01);
   }
   SUBCASE("two materials, divided by a border that is not straight") {
-    mesh::MeshData d = square(Pattern::gmsh, 16);
+    mesh::MeshData d = square(Pattern::gmsh, extent(16, 8));
     add_halves(d, [](const Vec3& x) { return x[0] < 0.5 + 0.1 * std::sin(9 * x[1]); });
     std::vector<energy::Material> two{plain, fabric(1.1, 30.0)};
     two[0].groups = {"left half"};
     two[1].groups = {"right half"};
     two[0].direction = Vec3(1, 0, 0);
     two[1].direction = Vec3(0, 1, 0);
-    const mesh::SurfaceMesh first(d), next = changed(first, extent(0.05, 0.08));
+    const mesh::SurfaceMesh first(d), next = changed(first, extent(0.05, 0.1));
     // Where the border bends it is a curve, so that areas change a little; on each side of it nothing else does.
-    CHECK(group_area(next, "right half") == relative(group_area(first, "right half")).epsilon(3e-3));
+    CHECK(group_area(next, "right half") == relative(group_area(first, "right half")).epsilon(extent(3e-3, 3e-2)));
     for (const mesh::SurfaceMesh* mesh : {&first, &next}) {
       double sum = 0.0;
       for (energy::Material m : two) {
@@ -205,7 +205,9 @@ double exact(const energy::Material& m, double from, double to, const std::funct
 
 }  // namespace
 
-TEST_CASE("fabric of a curved rest shape: axes and energies are those of the surface, more closely on a finer mesh") {
+// Remeshed twice, which takes six minutes with sanitizers, through the code of the test before.
+TEST_CASE("fabric of a curved rest shape: axes and energies are those of the surface, more closely on a finer mesh" *
+          doctest::skip(extent(false, true))) {
   mesh::MeshData d = square(Pattern::gmsh, 24);
   for (const mesh::Triangle& t : d.triangles) {
     d.texture.emplace_back();
