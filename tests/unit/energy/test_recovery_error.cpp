@@ -201,6 +201,28 @@ TEST_CASE("resultants may jump where another material begins and at creases") {
   }
 }
 
+TEST_CASE("stresses may jump where the temperature may") {
+  const mesh::SurfaceMesh mesh(square(Pattern::diagonal, 6));
+  const mesh::PatchMesh patches(mesh, {});
+  const std::vector<energy::Material> one{isotropic(1e3, 0.3, 0.1)};
+  std::vector<int> zones;
+  std::vector<double> values;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const double x = (mesh.start_corner(t, 0) + mesh.start_corner(t, 1) + mesh.start_corner(t, 2)).x() / 3.0;
+    zones.push_back(x > 0.5 ? 1 : 0);
+    values.insert(values.end(), {x > 0.5 ? 1.0 : 3.0, 1.0, 0.0});
+  }
+  for (const bool heated : {true, false}) {
+    CAPTURE(heated);
+    const energy::Sheet sheet(patches, one, energy::assign_materials(mesh, one), {}, {},
+                              heated ? zones : std::vector<int>{});
+    const RecoveryError error(sheet);
+    double largest = 0.0;
+    for (Index t = 0; t < mesh.triangle_count(); ++t) largest = std::max(largest, error.of(t, values, values).bending);
+    CHECK((heated ? largest < 1e-9 : largest > 1e-3));
+  }
+}
+
 TEST_CASE("a constant state of a cylinder has no error") {
   const mesh::SurfaceMesh mesh(mapped(square(Pattern::diagonal, 6), [](const Vec3& x) {
     return Vec3(std::sin(1.5 * x[0]), x[1], std::cos(1.5 * x[0]));
