@@ -323,6 +323,16 @@ void fill_direction(const SectionPlace& place, const MaterialInput& in, energy::
   m.texture_direction = Vec2(in.texture_direction[0], in.texture_direction[1]).normalized();
 }
 
+/// Of flat pieces the direction is one of their cloth, which turns with their grain lines as (u, v) do.
+void take_as_texture(const SectionPlace& place, energy::Material& m) {
+  const Vec3 d = m.direction->normalized();
+  if (std::abs(d[2]) > 1e-12)
+    place.fail("direction",
+               "pieces lie flat: [u, v, 0] in the axes of the pattern is needed, or texture_direction = [u, v]");
+  m.texture_direction = d.head<2>().normalized();
+  m.direction.reset();
+}
+
 }  // namespace
 
 std::filesystem::path beside(const std::filesystem::path& case_file, const std::filesystem::path& path) {
@@ -351,9 +361,7 @@ void read_materials(const CaseReader& reader, Case& c) {
     m.groups = in.groups;
     fill_direction(place, in, m);
     const bool flat = !c.panels.empty() || c.mesh.options.rest == formats::RestShape::texture;
-    if (flat && m.direction && std::abs((*m.direction)[2]) > 1e-12 * m.direction->norm())
-      place.fail("direction",
-                 "pieces lie flat: [u, v, 0] in the axes of the pattern is needed, or texture_direction = [u, v]");
+    if (flat && m.direction) take_as_texture(place, m);
     if (in.type == MaterialInput::Type::fabric) in.fabric = fabric_file(place, "fabric", in.fabric);
     if (!in.interlining.empty()) in.interlining = fabric_file(place, "interlining", in.interlining);
     for (const char* key : {"interlining_angle", "interlining_distance", "interlining_bond"})

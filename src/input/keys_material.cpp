@@ -298,8 +298,8 @@ std::vector<Key> axis_keys(MaterialInput& s) {
       {.name = "direction",
        .slot = &s.direction,
        .meaning =
-           "Direction of material axis 1 in space (in panels and with `mesh.rest = \"texture\"`: [u, v, 0] of the "
-           "pattern), projected into each triangle; the warp of a `fabric` lies at "
+           "Direction of material axis 1 in space (in panels and with `mesh.rest = \"texture\"`: [u, v, 0] as "
+           "`texture_direction`), projected into each triangle; the warp of a `fabric` lies at "
            "`warp_angle` to it. Triangles that are normal to it continue it from their neighbours; another direction "
            "for some `groups` is another `[[material]]`. Either this or `texture_direction` is needed, by `matrices` "
            "and `isotropic` only where something depends on it.",

@@ -100,6 +100,24 @@ def garment_dxf(report):
 
 
 @test
+def garment_grain(report):
+    """A fabric lies along the grain line of its piece by whichever key its direction is given; all draw one strip alike."""
+    file, grain = svg("garment_grain.svg", rectangle("strip", 0.1, 0.1)), [0.5, 0.75**0.5]
+    fabric = {"type": "fabric", "fabric": "polyester_tropical"}
+    case = {"analysis": "static", "support": [{"group": "strip/0", "type": "hinged"}, {"group": "strip/2", "type": "displacement", "components": ["z"]}],
+            "load": [{"type": "line", "group": "strip/2", "vector": [1.0, 20.0, 0.0]}]}
+    ends = {}
+    for what, panel, keys in (("texture_direction", {"grain": grain}, {"texture_direction": [0, 1]}), ("direction", {"grain": grain}, {"direction": [0, 1, 0]}),
+                              ("as drawn", {}, {"direction": [*grain, 0]}), ("across it", {}, {"direction": [0, 1, 0]})):
+        result = solve("garment_grain", case | {"panel": [{"file": file, "size": 0.02} | panel], "material": [fabric | keys]})
+        ends[what] = result.displacement()
+    scale = np.abs(ends["texture_direction"]).max()
+    for what in ("direction", "as drawn"):
+        report.below(np.abs(ends[what] - ends["texture_direction"]).max() / scale, 1e-6, f"{what}: deflection like that of texture_direction")
+    report.check(np.abs(ends["across it"] - ends["texture_direction"]).max() > 0.2 * scale, "another direction deflects otherwise")
+
+
+@test
 def garment_holes(report):
     """A patch sewn into a hole and a lens sewn to itself leave a sheet with the hole that is left; wrong holes are refused."""
     lens = "M 200 40 Q 210 100 200 160 Q 190 100 200 40 Z"
