@@ -59,7 +59,8 @@ Dimple deepest_dimple(const mesh::SurfaceMesh& mesh, const std::vector<char>& mi
   return deepest;
 }
 
-std::string dimple_warning(const input::Case& c, const energy::Sheet& sheet, const std::vector<double>& displacement) {
+std::string dimple_warning(const input::Case& c, const energy::Sheet& sheet, const std::vector<double>& displacement,
+                           double load_factor) {
   const bool corrected = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
   if (!corrected || !(c.analysis == input::Analysis::statics || c.analysis == input::Analysis::linear) ||
       !is_pressed(c))
@@ -69,12 +70,13 @@ std::string dimple_warning(const input::Case& c, const energy::Sheet& sheet, con
   if (!(dimple.depth > depth_limit)) return "";
   const Vec3& x = mesh.positions()[static_cast<std::size_t>(dimple.vertex)];
   return fmt::format(
-      "single vertices stand out from their neighbours, by {:.0f} % of the largest displacement at ({:.4g}, {:.4g}, "
-      "{:.4g}) m: "
+      "at load factor {:.4g} single vertices stand out from their neighbours, by {:.0f} % of the largest displacement "
+      "at "
+      "({:.4g}, {:.4g}, {:.4g}) m: "
       "where cells of a thin curved shell are larger than sqrt(R h), pressure makes dimples of them, and deflections "
       "may be "
       "several times too large; use cells of a third of that, or element.type = \"six_node\"",
-      100.0 * dimple.depth, x[0], x[1], x[2]);
+      load_factor, 100.0 * dimple.depth, x[0], x[1], x[2]);
 }
 
 }  // namespace voile::record

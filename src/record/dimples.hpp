@@ -32,6 +32,6 @@ struct Dimple {
 /// What to warn of in a state of a sheet; empty: nothing, as wherever no pressure acts, or in motion, or with another membrane than the
 /// corrected one. Likewise.
 [[nodiscard]] std::string dimple_warning(const input::Case& c, const energy::Sheet& sheet,
-                                         const std::vector<double>& displacement);
+                                         const std::vector<double>& displacement, double load_factor);
 
 }  // namespace voile::record

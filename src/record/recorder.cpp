@@ -148,7 +148,8 @@ Recorder::Snapshot Recorder::snapshot(Vec a, const Motion& motion) {
   if (root_) {
     s.validity = assess(*model_, s.state.displacement, linear_);
     warnings_.say_range(model_->dofs().mesh(), s.validity);
-    warnings_.say_dimples(case_, model_->discretisation().sheet(), s.state.displacement);
+    warnings_.say_dimples(case_, model_->discretisation().sheet(), s.state.displacement,
+                          model_->conditions().load_factor());
   }
   if (probes_->need_energies()) {
     s.state.energies = linear_ ? LinearValues(*model_, a).energies() : system::energies(*model_, a);

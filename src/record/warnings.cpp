@@ -53,9 +53,10 @@ void Warnings::say_strain(const mesh::SurfaceMesh& mesh, const Reach& reach, Ind
              fmt::format(fmt::runtime(why), size_text(reach.of, reach.limit, reach.measured)));
 }
 
-void Warnings::say_dimples(const input::Case& c, const energy::Sheet& sheet, const std::vector<double>& displacement) {
+void Warnings::say_dimples(const input::Case& c, const energy::Sheet& sheet, const std::vector<double>& displacement,
+                           double load_factor) {
   if (said_dimples_) return;
-  const std::string text = dimple_warning(c, sheet, displacement);
+  const std::string text = dimple_warning(c, sheet, displacement, load_factor);
   said_dimples_ = !text.empty();
   if (said_dimples_) fmt::print(stderr, "voile: warning: {}\n", text);
 }

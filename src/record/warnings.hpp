@@ -23,7 +23,8 @@ class Warnings {
   /// Of strains and turns beyond what the element is made for.
   void say_range(const mesh::SurfaceMesh& mesh, const Validity& v);
   /// Of dimples under pressure (dimples.hpp).
-  void say_dimples(const input::Case& c, const energy::Sheet& sheet, const std::vector<double>& displacement);
+  void say_dimples(const input::Case& c, const energy::Sheet& sheet, const std::vector<double>& displacement,
+                   double load_factor);
   /// Of the strains of a linear analysis, E11, E22, 2 E12 per triangle in material axes: that of a state which rotates by much is
   /// none of them.
   void say_linear_range(const energy::Sheet& sheet, const std::vector<double>& strain);
