@@ -28,6 +28,9 @@ def program() -> Path:
 def environment(ranks: int = 2) -> dict[str, str]:
     """One thread per rank, more ranks than cores allowed, and root allowed to start ranks (containers)."""
     env = dict(os.environ)
+    if "PMIX_RANK" in env:  # a rank itself: what mpirun sets for it would be taken for this program's
+        launcher = ("PMIX_", "OMPI_COMM_", "OMPI_APP_", "OMPI_MCA_ess", "OMPI_MCA_orte_", "OMPI_MCA_pmix")
+        env = {name: value for name, value in env.items() if not name.startswith(launcher)}
     env.setdefault("OMP_NUM_THREADS", "1")
     env.setdefault("OMPI_MCA_rmaps_base_oversubscribe", "1")
     env.setdefault("OMPI_MCA_hwloc_base_binding_policy", "none")

@@ -6,8 +6,8 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <cmath>
+#include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -122,9 +122,11 @@ class Held {
     options.signals = true;
     comm_ = comm;
     simulation_ = std::make_unique<Simulation>(communicator(comm), c, std::move(options));
-    alive().insert(this);
+    static std::size_t begun = 0;
+    number_ = begun++;
+    alive().emplace(number_, this);
   }
-  ~Held() { alive().erase(this); }
+  ~Held() { alive().erase(number_); }
   Held(const Held&) = delete;
   Held& operator=(const Held&) = delete;
 
@@ -151,19 +153,21 @@ class Held {
   }
   Simulation* operator->() { return &**this; }
 
-  static std::set<Held*>& alive() {
-    static std::set<Held*> all;
+  /// In the order in which they began, the same on all ranks, as ending one is collective.
+  static std::map<std::size_t, Held*>& alive() {
+    static std::map<std::size_t, Held*> all;
     return all;
   }
 
  private:
+  std::size_t number_ = 0;
   py::object comm_;  // must outlive the simulation
   std::unique_ptr<Simulation> simulation_;
   int running_ = 0;
 };
 
 void end_session() {
-  for (Held* one : Held::alive()) one->close();
+  for (const auto& [number, one] : Held::alive()) one->close();
   session().reset();
 }
 
