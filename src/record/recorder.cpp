@@ -226,6 +226,7 @@ void Recorder::write_step(const system::State& state, const solve::StepResult& r
   // Along an arc the load factor goes up and down, but a time must not.
   step.time = dynamics_ ? state.time : case_.steps.control == Control::load ? state.load_factor : state.step;
   step.load_factor = state.load_factor;
+  if (case_.analysis == input::Analysis::statics) step.path = system::path_record(state.next_step, state.path);
   if (r.mode)
     step.fields.push_back({"critical_mode", "1", results::Centre::vertex, 3, model_->dofs().gather_change(r.mode)});
   write_or_keep(state.step % case_.output.every == 0 || whole || r.mode || s.intersections > 0, std::move(step),

@@ -233,6 +233,7 @@ void ResultsWriter::write(const StepFields& step) {
   file.number("/", "step", step.step);
   file.number("/", "time", step.time);
   file.number("/", "load_factor", step.load_factor);
+  if (!step.path.empty()) file.dataset("path", H5T_NATIVE_DOUBLE, step.path.size(), 1, step.path.data());
   file.number("/", "epoch", static_cast<int>(impl_->catalogue.epochs().size()) - 1);
   file.group("fields");
   for (const Field& field : step.fields) impl_->write_field(file, field);

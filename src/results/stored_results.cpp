@@ -103,10 +103,18 @@ void StoredResults::read_named() {
                             load_factor = read_all(file_, "voile/steps/load_factor", path_);
   if (epoch.size() != number.size() || time.size() != number.size() || load_factor.size() != number.size())
     fail_reading(path_, "its lists of steps differ in length: the file is damaged");
+  std::vector<double> path;
+  if (H5Lexists(file_, "voile/steps/path", H5P_DEFAULT) > 0) path = read_all(file_, "voile/steps/path", path_);
+  const std::size_t each = number.empty() ? 0 : path.size() / number.size();
   for (std::size_t i = 0; i < number.size(); ++i) {
     if (epoch[i] < 0 || !std::isfinite(time[i]) || !std::isfinite(load_factor[i]))
       fail_reading(path_, fmt::format("its record of step {} makes no sense: the file is damaged", number[i]));
-    steps_.push_back({static_cast<int>(number[i]), time[i], load_factor[i], static_cast<std::size_t>(epoch[i])});
+    steps_.push_back({static_cast<int>(number[i]),
+                      time[i],
+                      load_factor[i],
+                      static_cast<std::size_t>(epoch[i]),
+                      {path.begin() + static_cast<std::ptrdiff_t>(i * each),
+                       path.begin() + static_cast<std::ptrdiff_t>((i + 1) * each)}});
   }
 }
 
@@ -117,9 +125,11 @@ void StoredResults::find_unnamed() {
     if (!fs::exists(place)) return;
     const Hdf5Handle file = open_to_read(place);
     if (!file.valid()) fail_missing(step_file(steps_.size()));
-    steps_.push_back({static_cast<int>(read_number(file, "/", "step", place)), read_number(file, "/", "time", place),
-                      read_number(file, "/", "load_factor", place),
-                      static_cast<std::size_t>(std::max(0.0, read_number(file, "/", "epoch", place)))});
+    steps_.push_back(
+        {static_cast<int>(read_number(file, "/", "step", place)), read_number(file, "/", "time", place),
+         read_number(file, "/", "load_factor", place),
+         static_cast<std::size_t>(std::max(0.0, read_number(file, "/", "epoch", place))),
+         H5Lexists(file, "path", H5P_DEFAULT) > 0 ? read_all(file, "path", place) : std::vector<double>()});
   }
 }
 

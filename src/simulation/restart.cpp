@@ -27,6 +27,14 @@ std::string what_helps(const record::RunOptions& options) {
              : "their run has left no checkpoint.h5 (time.checkpoint_minutes), so begin anew";
 }
 
+/// A record that makes no sense, as of a damaged file, is left: the path then goes by its last two states.
+void take_path(const std::vector<double>& record, results::Checkpoint& c) {
+  const bool good = std::all_of(record.begin(), record.end(), [](double x) { return std::abs(x) < 1e12; });
+  if (record.size() != system::path_record_numbers || !good || !(record.front() > 0.0)) return;
+  c.next_step = record.front();
+  if (record[2] > 0.0) c.path.assign(record.begin() + 1, record.end());  // the unit of its length
+}
+
 /// What --restart names. Rank 0 only.
 results::Checkpoint read_any(const input::Case& wanted, const record::RunOptions& options,
                              const mesh::SurfaceMesh& mesh) {
@@ -53,6 +61,7 @@ results::Checkpoint read_any(const input::Case& wanted, const record::RunOptions
   results::Checkpoint c;
   c.step = shape_only ? 0 : stored.step;
   c.load_factor = stored.load_factor;
+  take_path(stored.path, c);
   c.displacement = std::move(stored.displacement);
   if (!shape_only) c.previous = std::move(stored.previous);
   c.in_equilibrium = !stored.in_motion;

@@ -42,6 +42,12 @@ void PathFollower::Impl::start_from(const system::State& state) {
   force = model.force_scale();
 }
 
+/// Where a load factor moves far, as near a limit point, a first step by load leaves the path: no longer than the one before.
+double PathFollower::Impl::unit_at(const system::State& state) const {
+  const double before = state.previous ? std::sqrt(dot(previous, previous)) / options.initial_step : 0.0;
+  return before > 0.0 ? std::min(before, tangent.speed) : tangent.speed;
+}
+
 void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
   start_from(state);
   tangent = tangent_at(state.u);
@@ -56,11 +62,10 @@ void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
   if (options.control == Control::displacement && !(std::abs(probed(tangent_solution)) > noise * largest))
     throw UserError(
         "[steps] control_probe: loads and temperatures do not move it at the start of the path; name a probe that "
-        "moves, "
-        "add an [[imperfection]], or use control = \"arc_length\"");
+        "moves, add an [[imperfection]], or use control = \"arc_length\"");
   const system::PathMemory& memory = state.path;
   unit = std::abs(options.final_displacement);
-  if (options.control == Control::arc_length) unit = memory.unit > 0.0 ? memory.unit : tangent.speed;
+  if (options.control == Control::arc_length) unit = memory.unit > 0.0 ? memory.unit : unit_at(state);
   length = (state.next_step > 0.0 ? std::min(state.next_step, options.max_step) : options.initial_step) * unit;
   doubted = memory.doubted;
   may_branch = options.at_critical_point == AtCriticalPoint::switch_branch && !memory.has_branched;
@@ -68,8 +73,7 @@ void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
       (options.final_displacement - probed(accepted)) * probed(load_solution) < 0.0)
     remark(options.control == Control::arc_length
                ? "at first the loads move control_probe away from final_displacement; if the path does not turn, "
-                 "reverse the "
-                 "loads"
+                 "reverse the loads"
                : "the loads move control_probe away from final_displacement: load factors decrease at the start of the "
                  "path");
   if (memory.rate == 0.0 || !state.previous) return;

@@ -75,6 +75,15 @@ constexpr std::size_t path_numbers = 6;
   return {static_cast<int>(n[0]), n[1], n[2], static_cast<long>(n[3]), n[4] > 0.0, n[5]};
 }
 
+/// The size of the step to come and, where a path has them, the numbers of its memory, else zeros.
+constexpr std::size_t path_record_numbers = 1 + path_numbers;
+[[nodiscard]] inline std::vector<double> path_record(double next_step, const PathMemory& p) {
+  std::vector<double> record = numbers_of(p);
+  record.resize(path_numbers, 0.0);
+  record.insert(record.begin(), next_step);
+  return record;
+}
+
 /// Where the last step of a motion began: damping and drag, and so reactions, depend on it.
 struct StepStart {
   petsc::VecHandle u, v;  ///< none: not known

@@ -204,6 +204,24 @@ def arch_between(report):
 
 
 @test
+def arch_restarted(report):
+    """An arc length goes on from any step of its results, in steps like those before, also beside limit points."""
+    case = {
+        "analysis": "static", "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 1, "width": 0.1, "nx": 20, "ny": 2}},
+        "material": [{"type": "isotropic", "young": 1e9, "poisson": 0, "thickness": 0.01}], "imperfection": [{"type": "expression", "height": "0.1*sin(pi*x)"}],
+        "support": [{"type": "hinged", "group": ["clamp", "tip"]}], "load": [{"type": "area", "vector": [0, 0, -1e4], "distribution": "sin(pi*x)"}],
+        "probe": [{"name": "middle", "type": "displacement", "point": [0.5, 0.05, 0], "components": ["z"]}],
+        "steps": {"control": "arc_length", "control_probe": "middle", "final_displacement": -0.21, "initial_step": 0.02, "max_step": 1.0}}
+    whole = solve("arch_whole", case)
+    steps = whole.summary["steps"]
+    report.check(whole.summary["converged"] and np.sum(np.diff(np.sign(np.diff(whole.history["load_factor"]))) != 0) == 2, f"two limit points in {steps} steps")
+    for n in (9, 42, 66, 84):
+        again = run(whole.folder.parent / "arch_whole.toml", fresh("arch_goes_on"), 1, ["--restart", whole.results.file, "--restart-step", str(n)])
+        ends = again.history["load_factor"][-1] / whole.history["load_factor"][-1] - 1 if again.code in (0, 5) else np.nan
+        report.check(abs(ends) < 1e-10 and again.summary["steps"] == steps, f"from step {n}: code {again.code}, {again.summary['steps']} of {steps} steps, ends {ends:.1e} off")
+
+
+@test
 def arch_branches(report):
     """A step that runs over from the path of a symmetric arch to the branch that leaves it, where the load falls, has passed a bifurcation: both branches are found, each the mirror of the other."""
     points = [[x, 0.05, 0.06 * math.sin(math.pi * x)] for x in (0.25, 0.75)]
