@@ -144,7 +144,7 @@ TEST_CASE("a cut sheet that was remeshed is put on one mesh as fine as any of it
   CHECK(lifted > 60);
 }
 
-TEST_CASE("a curved sheet of very different meshes is put on one mesh") {
+TEST_CASE("a curved sheet of very different meshes is put on one mesh" * doctest::skip(extent(false, true))) {
   const Folder folder;
   // Three quarters of a closed cylinder of radius 100 m: coarse, very fine in one place, fine in another.
   constexpr double radius = 100.0, turn = 1.5 * std::numbers::pi;
@@ -192,7 +192,7 @@ TEST_CASE("a curved sheet of very different meshes is put on one mesh") {
   }
 }
 
-TEST_CASE("a coarse mesh may lie beside a fine one by more than cells of that") {
+TEST_CASE("a coarse mesh may lie beside a fine one by more than cells of that" * doctest::skip(extent(false, true))) {
   const Folder folder;
   const auto rolled = [](int cells, double radius) {
     mesh::MeshData data = square(Pattern::union_jack, cells);
@@ -200,7 +200,7 @@ TEST_CASE("a coarse mesh may lie beside a fine one by more than cells of that") 
     return mesh::SurfaceMesh(data);
   };
   // As after remeshing of a curved start: 0.05 m off, where cells are 0.25 and 0.08 m long.
-  const mesh::SurfaceMesh coarse = rolled(12, 1.05), fine = rolled(extent(48, 32), 1.0);
+  const mesh::SurfaceMesh coarse = rolled(12, 1.05), fine = rolled(48, 1.0);
   results::ResultsWriter writer = begin(folder.path, coarse);
   for (const mesh::SurfaceMesh* mesh : {&coarse, &fine}) {
     if (mesh == &fine) writer.begin_epoch(fine, ramp(fine.vertex_count()), ramp(fine.triangle_count()));

@@ -97,7 +97,7 @@ Vec2 in_piece(bool left, const Vec3& x) {
 }
 
 mesh::MeshData two_pieces() {
-  mesh::MeshData d = square(Pattern::diagonal, 16);
+  mesh::MeshData d = square(Pattern::diagonal, extent(16, 8));
   add_halves(d, is_left);
   for (const mesh::Triangle& t : d.triangles) {
     const Vec3 middle = (d.positions[t[0]] + d.positions[t[1]] + d.positions[t[2]]) / 3.0;
