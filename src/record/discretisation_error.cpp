@@ -97,6 +97,32 @@ double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& f
   return stored;
 }
 
+JudgedEnergy judged_energy(const energy::Sheet& sheet, const system::TriangleFields& f) {
+  constexpr double least = 1e-4;  // of the stored energy: deflections of less are nothing beside what holds them back
+  JudgedEnergy stored{stored_energy(sheet, f), 0.0}, from_rest = stored;
+  for (std::size_t t = 0; t < f.in_plane.size(); ++t) {
+    const energy::Material& m = sheet.material(static_cast<Index>(t));
+    const double area = sheet.mesh().area(static_cast<Index>(t));
+    const Vec3 strain = of_triangle(f.membrane_strain, t), bent = of_triangle(f.curvature, t);
+    const double bending = 0.5 * area * bent.dot(of_triangle(f.bending_moment, t));
+    stored.bending += bending;
+    from_rest.bending += bending;
+    const bool heated = !f.temperature.empty() && m.expands;
+    if (m.rubber.any() || m.yarns.any() || (!heated && m.initial_strain.isZero(0.0))) continue;
+    Vec3 e = strain + m.initial_strain, k = bent;
+    if (heated) {
+      e += f.temperature[2 * t] * m.expansion;
+      k += f.temperature[2 * t + 1] * m.expansion_curvature;
+    }
+    const double stretching = 0.5 * area * strain.dot(of_triangle(f.membrane_force, t)),
+                 whole_bending = 0.5 * area * k.dot(m.bending * k - m.coupling * e);
+    from_rest.bending += whole_bending - bending;
+    from_rest.whole += 0.5 * area * e.dot(m.membrane * e - m.coupling * k) - stretching + whole_bending - bending;
+  }
+  const auto judged = [](double with, double without) { return std::min(with, std::max(without, least * with)); };
+  return {judged(stored.whole, from_rest.whole), judged(stored.bending, from_rest.bending)};
+}
+
 DiscretisationError::Densities DiscretisationError::of(const system::Model& model, const system::TriangleFields& fields,
                                                        FieldsOf what) {
   const energy::Sheet& sheet = model.discretisation().sheet();
@@ -132,18 +158,18 @@ DiscretisationError::Densities DiscretisationError::judged(const system::Model& 
 void DiscretisationError::judge(const energy::Sheet& sheet, const system::TriangleFields& fields, const Densities& d,
                                 const Judged& state) {
   const mesh::SurfaceMesh& mesh = sheet.mesh();
-  double membrane = 0.0, bending = 0.0, largest = 0.0, bent = 0.0;
+  double membrane = 0.0, bending = 0.0, largest = 0.0;
   Index worst = 0;
   for (std::size_t t = 0; t < d.membrane.size(); ++t) {
     const double area = mesh.area(static_cast<Index>(t)), whole = area * (d.membrane[t] + d.bending[t]);
     membrane += area * d.membrane[t];
     bending += area * d.bending[t];
-    bent += 0.5 * area * of_triangle(fields.curvature, t).dot(of_triangle(fields.bending_moment, t));
     if (whole <= largest) continue;
     largest = whole;
     worst = static_cast<Index>(t);
   }
-  const double stored = stored_energy(sheet, fields), none = round_off_energy(sheet, state.strain);
+  const auto [stored, bent] = judged_energy(sheet, fields);
+  const double none = round_off_energy(sheet, state.strain);
   last_ = {0.0, std::nan(""), std::nan("")};
   if (stored > none) last_.whole = (membrane + bending) / stored;
   if (stored > none && stored - bent > none) last_.membrane = membrane / (stored - bent);

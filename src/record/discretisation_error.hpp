@@ -1,6 +1,7 @@
 // How far stress resultants of a recorded state are from smooth ones: two fields, one number, and what to tell of it.
 //
-// Symbols   e_N, e_M   energy of the differences (energy/recovery_error.hpp) [J/m^2];  W  stored energy [J]
+// Symbols   e_N, e_M   energy of the differences (energy/recovery_error.hpp) [J/m^2]
+//           W          stored energy, or that of the strains from rest where heat and initial strains store more [J]
 //           eta^2      integral of e_N + e_M over W
 #pragma once
 
@@ -23,6 +24,13 @@ enum class FieldsOf { state, change };
 /// change half the work of the changes. `fields` on this rank. Not collective.
 [[nodiscard]] double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& fields,
                                    FieldsOf what = FieldsOf::state);
+
+/// What errors of a state are compared with [J]: W, and that of bending in it. Of a sheet that is heated and held most of the
+/// stored energy is of stresses that any mesh has right, and says nothing of its deflections. Likewise.
+struct JudgedEnergy {
+  double whole = 0.0, bending = 0.0;
+};
+[[nodiscard]] JudgedEnergy judged_energy(const energy::Sheet& sheet, const system::TriangleFields& fields);
 
 /// Strains below which a nonlinear state is only round-off, such as that of a sheet that has only moved.
 inline constexpr double no_strain = 1e-9;

@@ -99,7 +99,7 @@ Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, con
   for (std::size_t k = 0; corrected && k < error.size(); ++k) error[k] += t.in_plane[k];
   double spurious = 0.0;
   for (std::size_t k = 0; k < error.size(); ++k) spurious += sheet.mesh().area(static_cast<Index>(k)) * error[k];
-  const double stored = stored_energy(sheet, t);
+  const double stored = judged_energy(sheet, t).whole;
   const double fraction = stored > round_off_energy(sheet, strain) ? spurious / stored : 0.0;
   if (search_ || fraction > largest_error_) {
     largest_error_ = fraction;

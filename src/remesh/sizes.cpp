@@ -164,7 +164,7 @@ void Remesher::bound_by_error(Epoch& epoch, const system::TriangleFields& fields
   mpi::on_root(model.dofs().comm(), [&] {
     if (estimate.last().whole == 0.0) return;  // also where there is nothing but round-off, as in a sheet that flies
     for (std::size_t t = 0; t < error.membrane.size(); ++t) error.membrane[t] += error.bending[t];
-    const double stored = record::stored_energy(model.discretisation().sheet(), fields);
+    const double stored = record::judged_energy(model.discretisation().sheet(), fields).whole;
     const std::vector<double> size = adapt::sizes_for_error(model.dofs().mesh(), error.membrane, stored, keys_.error);
     const double least = options_of(stage_, *first_).smallest;
     for (std::size_t v = 0; v < size.size(); ++v) bound[v] = std::min(bound[v], std::max(least, size[v]));
