@@ -61,6 +61,7 @@ class CaseWriter {
       if (const std::size_t end = note.find(" were left out"); end != note.npos)
         leave(deck_.words.element + ": " + note.substr(0, end) + ", which are no shells");
     drop_elsewhere();
+    drop_turned(deck_, mesh_, left_);
     temperature_ = temperature_of(deck_, mesh_, left_);
     complete_clamps();
     note_turned();
@@ -95,7 +96,7 @@ class CaseWriter {
       auto& h = s.held;
       if (!(h[0] && h[1] && h[2]) || h[3] + h[4] + h[5] != 2) continue;
       const std::size_t left = h[3] ? (h[4] ? 5 : 4) : 3;
-      const std::vector<char> at = vertices_of(where);
+      const std::vector<char> at = vertices_of(mesh_, where);
       const auto turns_freely = [&](const mesh::Triangle& t) {
         if (std::none_of(t.begin(), t.end(), [&](Index v) { return at[static_cast<std::size_t>(v)]; })) return true;
         const auto x = [&](std::size_t k) { return mesh_.positions[static_cast<std::size_t>(t[k])]; };
@@ -104,17 +105,6 @@ class CaseWriter {
       };
       h[left] = std::all_of(mesh_.triangles.begin(), mesh_.triangles.end(), turns_freely);
     }
-  }
-
-  [[nodiscard]] std::vector<char> vertices_of(const std::string& where) const {
-    std::vector<char> at(mesh_.positions.size(), 0);
-    if (const mesh::Group* group = group_named(mesh_, where, true))
-      for (const Index v : group->vertices) at[static_cast<std::size_t>(v)] = 1;
-    if (!is_number(where)) return at;
-    const auto tag =
-        std::find(mesh_.vertex_tags.begin(), mesh_.vertex_tags.end(), std::strtoull(where.c_str(), nullptr, 10));
-    if (tag != mesh_.vertex_tags.end()) at[static_cast<std::size_t>(tag - mesh_.vertex_tags.begin())] = 1;
-    return at;
   }
 
   /// Pressures act along the normals of the deck, plies lie along them, and a surface is oriented as one.
@@ -184,7 +174,7 @@ class CaseWriter {
     std::map<std::string, Deck::Support> alike;
     for (const auto& [where, s] : deck_.supports) {
       if (!is_number(where)) {
-        add_support(known(where, deck_.node_sets), s);
+        add_support(known(where, deck_.node_sets), s, vertices_of(mesh_, where));
         continue;
       }
       const std::string key =
@@ -192,20 +182,18 @@ class CaseWriter {
       nodes[key].push_back(where);
       alike[key] = s;
     }
-    for (const auto& [key, members] : nodes) add_support(new_set("*NSET, NSET=", "HELD", members), alike[key]);
+    for (const auto& [key, members] : nodes) {
+      const std::set<std::string> all(members.begin(), members.end());
+      std::vector<char> at(mesh_.positions.size(), 0);
+      for (std::size_t v = 0; v < at.size(); ++v) at[v] = all.contains(std::to_string(mesh_.vertex_tags[v])) ? 1 : 0;
+      add_support(new_set("*NSET, NSET=", "HELD", members), alike[key], at);
+    }
   }
 
-  void add_support(const std::string& group, const Deck::Support& s) {
+  void add_support(const std::string& group, const Deck::Support& s, const std::vector<char>& at) {
     const auto& h = s.held;
     const int moves = h[0] + h[1] + h[2], turns = h[3] + h[4] + h[5];
-    int mirror = -1;
-    for (int k = 0; k < 3; ++k) {
-      const int a = 3 + (k + 1) % 3, b = 3 + (k + 2) % 3;
-      if (s.mirror == std::string(1, static_cast<char>('X' + k)) + "SYMM" ||
-          (moves == 1 && h[static_cast<std::size_t>(k)] && turns == 2 && h[static_cast<std::size_t>(a)] &&
-           h[static_cast<std::size_t>(b)]))
-        mirror = k;
-    }
+    const int mirror = mirror_of(s, mesh_, at);
     const bool moved = s.value[0] != 0.0 || s.value[1] != 0.0 || s.value[2] != 0.0;
     const auto head = [&](const char* type) {
       out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"{}\"\n", toml_text(group), type);

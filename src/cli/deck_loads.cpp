@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
 #include <optional>
 #include <utility>
 
@@ -16,7 +20,7 @@ using formats::Deck;
 
 /// Mass per area; 0 if it is not known.
 double mass_of(const Deck& deck, const Deck::Section& s) {
-  double mass = 0.0;
+  double mass = s.mass;
   const auto add = [&](const std::string& material, double thickness) {
     const auto at = deck.materials.find(material);
     mass += at == deck.materials.end() ? 0.0 : thickness * at->second.density;
@@ -42,7 +46,66 @@ std::vector<const Deck::Section*> sections_of(const Deck& deck, const mesh::Mesh
   return covered == group.triangles ? found : std::vector<const Deck::Section*>{};
 }
 
+/// Whether turned axes are those of one of its nodes.
+bool is_turned(const Deck& deck, const mesh::MeshData& mesh, const std::vector<char>& at) {
+  return std::any_of(deck.turned.begin(), deck.turned.end(), [&](const std::string& set) {
+    const mesh::Group* group = group_named(mesh, set, true);
+    return group && std::any_of(group->vertices.begin(), group->vertices.end(),
+                                [&](Index v) { return at[static_cast<std::size_t>(v)] != 0; });
+  });
+}
+
 }  // namespace
+
+std::vector<char> vertices_of(const mesh::MeshData& mesh, const std::string& where) {
+  std::vector<char> at(mesh.positions.size(), 0);
+  if (const mesh::Group* group = group_named(mesh, where, true))
+    for (const Index v : group->vertices) at[static_cast<std::size_t>(v)] = 1;
+  if (where.empty() || !std::all_of(where.begin(), where.end(), [](unsigned char c) { return std::isdigit(c) != 0; }))
+    return at;
+  const auto tag =
+      std::find(mesh.vertex_tags.begin(), mesh.vertex_tags.end(), std::strtoull(where.c_str(), nullptr, 10));
+  if (tag != mesh.vertex_tags.end()) at[static_cast<std::size_t>(tag - mesh.vertex_tags.begin())] = 1;
+  return at;
+}
+
+void drop_turned(Deck& deck, const mesh::MeshData& mesh, std::vector<std::string>& left) {
+  if (deck.turned.empty()) return;
+  const auto drop = [&](const std::string& keyword, const std::string& where, const char* section) {
+    if (!is_turned(deck, mesh, vertices_of(mesh, where))) return false;
+    left.push_back(
+        fmt::format("{} {}: its nodes have axes of their own; write that [[{}]] yourself", keyword, where, section));
+    return true;
+  };
+  std::erase_if(deck.supports, [&](const auto& entry) {
+    const Deck::Support& s = entry.second;
+    const bool any_axes = s.held[0] && s.held[1] && s.held[2] && s.value == std::array<double, 3>{} &&
+                          s.held[3] == s.held[4] && s.held[4] == s.held[5];
+    return !any_axes && drop(deck.words.support, entry.first, "support");
+  });
+  std::erase_if(deck.loads, [&](const Deck::Load& l) {
+    return l.kind == Deck::Load::Kind::force && drop(deck.words.load, l.where, "load");
+  });
+}
+
+int mirror_of(const Deck::Support& s, const mesh::MeshData& mesh, const std::vector<char>& at) {
+  const auto& h = s.held;
+  const int moves = h[0] + h[1] + h[2], turns = h[3] + h[4] + h[5];
+  for (int k = 0; k < 3; ++k) {
+    if (s.mirror == std::string(1, static_cast<char>('X' + k)) + "SYMM") return k;
+    const auto a = static_cast<std::size_t>(3 + (k + 1) % 3), b = static_cast<std::size_t>(3 + (k + 2) % 3);
+    if (!h[static_cast<std::size_t>(k)] || !h[a] || !h[b] || (moves == 3 && turns == 3)) continue;
+    if (moves == 1 && turns == 2) return k;
+    Eigen::AlignedBox<double, 1> along;
+    Eigen::AlignedBox3d all;
+    for (std::size_t v = 0; v < at.size(); ++v) {
+      all.extend(mesh.positions[v]);
+      if (at[v] != 0) along.extend(mesh.positions[v].segment<1>(k));
+    }
+    if (!along.isEmpty() && along.sizes()[0] <= 1e-6 * all.sizes().maxCoeff()) return k;
+  }
+  return -1;
+}
 
 void divide_gravity(Deck& deck, const mesh::MeshData& mesh, std::vector<std::string>& left) {
   std::vector<Deck::Load> loads;

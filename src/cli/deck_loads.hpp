@@ -1,4 +1,4 @@
-// Loads of decks that take another form in a case.
+// Loads and supports of decks that take another form in a case.
 #pragma once
 
 #include <string>
@@ -8,6 +8,16 @@
 #include "mesh/surface_mesh.hpp"
 
 namespace voile::cli {
+
+/// 1 where a vertex is of a set of nodes, or the node of that number.
+[[nodiscard]] std::vector<char> vertices_of(const mesh::MeshData& mesh, const std::string& where);
+
+/// Takes away supports and forces along axes of nodes (*TRANSFORM); `left` names them.
+void drop_turned(formats::Deck& deck, const mesh::MeshData& mesh, std::vector<std::string>& left);
+
+/// The axis, 0 to 2, normal to the plane that a support on the vertices `at` mirrors in: its displacement along that and both turns
+/// about the others are held. -1: there is none.
+[[nodiscard]] int mirror_of(const formats::Deck::Support& s, const mesh::MeshData& mesh, const std::vector<char>& at);
 
 /// Gravity on a set that is the elements of some sections becomes loads per area there. Others act on the whole sheet, and a
 /// line in `left` says so.

@@ -113,9 +113,12 @@ DeckMaterial deck_material(const Deck& deck, const Deck::Section& s, const Squar
         deck.words.section, s.elements, axes.angle, against, place.normals.size()));
   if (2 * against > place.normals.size()) axes.angle = -axes.angle;
   made.text = fmt::format("\n[[material]]               # {}\n", printable(name));
+  double thickness = s.thickness;
+  for (const Deck::Ply& p : s.plies) thickness += p.thickness;
+  const double density = m.density + (thickness > 0.0 ? s.mass / thickness : 0.0);
   if (!m.rubber.empty()) {
     made.text += rubber_of(m) + fmt::format("thickness = {}\n", s.thickness);
-    if (m.density > 0.0) made.text += fmt::format("density = {}\n", m.density);
+    if (density > 0.0) made.text += fmt::format("density = {}\n", density);
     if (m.expansion[0] != 0.0) made.left.push_back(fmt::format("*EXPANSION of {}, which is rubber", name));
     return made;
   }
@@ -132,13 +135,11 @@ DeckMaterial deck_material(const Deck& deck, const Deck::Section& s, const Squar
                                : fmt::format("expansion = {}\n", m.expansion[0]);
   if (!m.orthotropic && m.expansion[0] != m.expansion[1])
     made.left.push_back(fmt::format("*EXPANSION, TYPE=ORTHO of {}, which is isotropic: the first is taken", name));
-  double thickness = s.thickness;
-  for (const Deck::Ply& p : s.plies) thickness += p.thickness;
   if (layered)
     made.text += plies_of(s.plies.empty() ? std::vector{Deck::Ply{thickness, name, 0.0}} : s.plies, axes.angle);
   else
     made.text += fmt::format("thickness = {}\n", thickness);
-  if (m.density > 0.0) made.text += fmt::format("density = {}\n", m.density);
+  if (density > 0.0) made.text += fmt::format("density = {}\n", density);
   return made;
 }
 

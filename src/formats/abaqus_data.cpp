@@ -128,6 +128,8 @@ void AbaqusDeckReader::take_support(const AbaqusWords& words) {
     s.held[0] = s.held[1] = s.held[2] = true;
   } else if (name == "XSYMM" || name == "YSYMM" || name == "ZSYMM") {
     s.mirror = name;
+  } else if (long any = 0; !name.empty() && !parse_integer(name, any)) {
+    leave(fmt::format("*BOUNDARY {}, {}", words[0], name));
   } else {
     const long first = whole(words, 1), last = words.size() > 2 && !words[2].empty() ? whole(words, 2) : first;
     const double value = words.size() > 3 ? number(words, 3) : 0.0;
@@ -223,7 +225,9 @@ void AbaqusDeckReader::take_temperature(const AbaqusWords& words) {
 
 void AbaqusDeckReader::take_procedure(const AbaqusWords& words) {
   if (deck_.procedure == Procedure::frequency || deck_.procedure == Procedure::buckle) {
-    deck_.modes = static_cast<int>(std::min(whole(words, 0), most_modes));
+    constexpr long unsaid = 10;
+    if (words[0].empty()) leave(fmt::format("{} without a number of modes: {} are found", keyword_, unsaid));
+    deck_.modes = static_cast<int>(std::min(words[0].empty() ? unsaid : whole(words, 0), most_modes));
     for (std::size_t k = 1; k < std::min<std::size_t>(words.size(), 4); ++k)
       if (deck_.procedure == Procedure::frequency && !words[k].empty())
         leave(fmt::format("*FREQUENCY, a bound or shift of {}: the lowest modes are found", words[k]));

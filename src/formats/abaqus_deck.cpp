@@ -22,7 +22,33 @@ const std::set<std::string>& passed_over() {
   return all;
 }
 
+/// Parameters that are taken, or change nothing here, of keywords that say what acts and of what the sheet is; what others
+/// say is listed.
+const std::map<std::string, std::set<std::string>>& known_parameters() {
+  static const std::set<std::string> load{"OP", "AMPLITUDE", "LOAD CASE", "FOLLOWER", "REGION TYPE"};
+  static const std::map<std::string, std::set<std::string>> all{
+      {"*BOUNDARY", {"OP", "AMPLITUDE", "LOAD CASE", "TYPE"}},
+      {"*CLOAD", load},
+      {"*DLOAD", load},
+      {"*DSLOAD", load},
+      {"*BUCKLE", {"EIGENSOLVER"}},
+      {"*AMPLITUDE", {"NAME", "DEFINITION", "VALUE", "TIME"}},
+      {"*SHELL SECTION",
+       {"ELSET", "MATERIAL", "COMPOSITE", "ORIENTATION", "SYMMETRIC", "OFFSET", "NODAL THICKNESS",
+        "SECTION INTEGRATION", "POISSON", "STACK DIRECTION", "LAYUP", "CONTROLS", "TEMPERATURE", "DENSITY"}}};
+  return all;
+}
+
 }  // namespace
+
+/// What stands in a keyword line and is not understood.
+void AbaqusDeckReader::list_parameters() {
+  const auto known = known_parameters().find(keyword_);
+  if (known == known_parameters().end()) return;
+  for (const auto& [name, value] : parameters_)
+    if (!name.empty() && !known->second.contains(name))
+      leave(fmt::format("{}, {}{}{}", keyword_, name, value.empty() ? "" : "=", value));
+}
 
 void AbaqusDeckReader::read(int depth) {
   std::istringstream in(file_text(file_));
@@ -43,6 +69,7 @@ void AbaqusDeckReader::begin(const std::string& text, int depth) {
   keyword_ = keyword;
   data_ = Data::none;
   if (keyword == "*INCLUDE") return include(depth);
+  if (steps_ <= 1) list_parameters();
   if (keyword == "*NSET" || keyword == "*ELSET") return note_set(keyword);
   if (keyword == "*ASSEMBLY" || keyword == "*END ASSEMBLY") in_assembly_ = keyword == "*ASSEMBLY";
   if (keyword == "*HEADING") {
@@ -62,6 +89,7 @@ void AbaqusDeckReader::begin(const std::string& text, int depth) {
     leave(keyword);
     data_ = Data::unread;
   }
+  if (keyword == "*TRANSFORM") deck_.turned.push_back(place_of(parameters_["NSET"]));
   if (keyword == "*NODE" && parameters_.contains("NSET")) deck_.node_sets.push_back(parameters_["NSET"]);
   if (keyword == "*ELEMENT" && parameters_.contains("ELSET")) deck_.element_sets.push_back(parameters_["ELSET"]);
 }
@@ -124,6 +152,8 @@ bool AbaqusDeckReader::begin_model(const std::string& keyword) {
     if (parameters_.contains("OFFSET")) leave(keyword + ", OFFSET");
     deck_.sections.push_back(
         {parameters_["ELSET"], abaqus_upper(parameters_["MATERIAL"]), 0.0, abaqus_upper(parameters_["ORIENTATION"])});
+    if (parameters_.contains("DENSITY") && !parse_number(parameters_["DENSITY"], deck_.sections.back().mass))
+      fail_in_line(file_, line_, keyword + ": DENSITY is no number");
     data_ = parameters_.contains("COMPOSITE") ? Data::ply : Data::section;
     symmetric_ = parameters_.contains("SYMMETRIC");
   } else if (keyword == "*ORIENTATION") {
@@ -158,6 +188,12 @@ bool AbaqusDeckReader::begin_step(const std::string& keyword) {
   if (acts && abaqus_upper(parameters_["OP"]) == "NEW") leave(keyword + ", OP=NEW: what came before stays");
   if (keyword == "*AMPLITUDE") return begin_amplitude();
   if (acts) amplitude_ = amplitude_of(keyword);
+  if (acts && parameters_.contains("LOAD CASE") && parameters_["LOAD CASE"] != "1") {
+    leave(fmt::format("{}, LOAD CASE={}: it acts on the modes alone; here they keep the supports of the load", keyword,
+                      parameters_["LOAD CASE"]));
+    data_ = Data::unread;
+    return true;
+  }
   if (keyword == "*BOUNDARY") {
     const std::string type = abaqus_upper(parameters_["TYPE"]);
     data_ = type.empty() || type == "DISPLACEMENT" ? Data::support : Data::unread;

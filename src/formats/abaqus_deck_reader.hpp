@@ -53,6 +53,7 @@ class AbaqusDeckReader {
   // Keywords
   void read(int depth);
   void begin(const std::string& text, int depth);
+  void list_parameters();
   void note_set(const std::string& keyword);
   /// A set as the deck calls it, or the number of a node or element, without the instance before it.
   [[nodiscard]] std::string place_of(const std::string& word) const;

@@ -111,6 +111,8 @@ class AbaqusReader {
     generate_ = parameters.count("GENERATE") > 0;
     const Section before = section_;
     section_ = Section::other;
+    if ((keyword == "*NODE" || keyword == "*ELEMENT") && parameters.count("INPUT") > 0)
+      fail_in_line(file_, line_, keyword + ", INPUT: lines of another file are read by *INCLUDE");
     if (keyword == "*NODE") {
       section_ = Section::nodes;
       set_ = parameter("NSET");

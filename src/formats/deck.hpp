@@ -32,6 +32,7 @@ struct Deck {
     double thickness = 0.0;
     std::string orientation{};  ///< name; empty: none
     std::vector<Ply> plies{};   ///< from the lowest; empty: of one material
+    double mass = 0.0;          ///< per area, besides that of its materials
   };
   /// Of axis 1, before it is projected into the shell and turned about the normal.
   struct Orientation {
@@ -81,9 +82,10 @@ struct Deck {
   std::map<std::string, Table> amplitudes;
   std::vector<std::string> included;  ///< names of included files, as the deck writes them
   std::vector<std::string> node_sets, element_sets;
-  bool tied = false;           ///< *TIE
-  double tie_tolerance = 0.0;  ///< in the deck's unit; 0: not given
-  std::vector<Left> left;      ///< what was not understood
+  std::vector<std::string> turned;  ///< sets of nodes with axes of their own, by which supports and forces count
+  bool tied = false;                ///< *TIE
+  double tie_tolerance = 0.0;       ///< in the deck's unit; 0: not given
+  std::vector<Left> left;           ///< what was not understood
 };
 
 /// Not collective. Throws UserError for a file that cannot be read and numbers that are none, with file and line.

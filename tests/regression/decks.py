@@ -98,6 +98,45 @@ def abaqus_ties(report):
 
 
 @test
+def abaqus_details(report):
+    """What a deck's keywords say besides: mass of a section, edges that are guided, axes of nodes; what is left out is listed."""
+    nx, ny = 16, 2
+    nodes = [(i, j) for j in range(ny + 1) for i in range(nx + 1)]
+    elements = [(a + 1, a + 2, a + nx + 3, a + nx + 2) for j in range(ny) for a in range(j * (nx + 1), j * (nx + 1) + nx)]
+    mesh = ["*Node", *(f"{k + 1}, {x / nx}, {0.1 * y}, 0." for k, (x, y) in enumerate(nodes)), "*Element, type=S4, elset=All",
+            *(f"{k + 1}, {a}, {b}, {c}, {d}" for k, (a, b, c, d) in enumerate(elements)), "*Nset, nset=Root, generate", f"1, {len(nodes)}, {nx + 1}",
+            "*Nset, nset=Tip, generate", f"{nx + 1}, {len(nodes)}, {nx + 1}", "*Material, name=M", "*Elastic", "1e9, 0.", "*Density", "1000.,",
+            "*Boundary", "Root, ENCASTRE"]
+
+    def begun(name, section, *rest):
+        (OUT / f"{name}.inp").write_text("\n".join([*mesh, f"*Shell Section, elset=All, material=M{section}", "0.01,", *rest]) + "\n")
+        code, said = invoke(["init", fresh(name), "--from", OUT / f"{name}.inp"])
+        return code, " ".join(said.split()), OUT / name / "case.toml"
+
+    def solved(name, *words):
+        code, said, case = begun(name, *words)
+        return run(case, fresh(f"{name}_run")), said
+
+    modal = ["*Step", "*Frequency", "1,", "*End Step"]
+    code, said, case = begun("abaqus_mass", ", density=30.", *modal)
+    report.check(code == 0 and "density = 4000" in case.read_text() and "left out" not in said, f"mass of the section besides that of the material: {said[-120:]}")
+    guided, said = solved("abaqus_guided", "", "*Step", "*Static", "*Boundary", "Tip, 1", "Tip, 4, 6", "*Cload", "Tip, 3, 1e-3", "*End Step")
+    exact = 3e-3 / (12 * 1e9 * 0.2 * 0.01**3 / 12)
+    report.percent(guided.displacement()[nx, 2] / exact, 0.01, f"an edge that is held in 1 and 4 to 6 does not turn: {said[-80:]}")
+    for what, words, listed, missing in (
+            ("a load along axes of its nodes", ("*Transform, nset=Tip", "0., 0., 1., 0., 1., 0.", "*Step", "*Static", "*Cload", "Tip, 1, 1e-3", "*End Step"), "CLOAD or *DLOAD Tip", 'type = "point"'),
+            ("a support along axes of its nodes", ("*Transform, nset=Tip", "0., 0., 1., 0., 1., 0.", "*Step", "*Static", "*Boundary", "Tip, 1, 1, 0.1", "*End Step"), "*BOUNDARY Tip", "value ="),
+            ("supports of the modes alone", ("*Step", "*Buckle", "1,", "*Boundary, load case=2", "Tip, 1, 3", "*Cload", "Tip, 1, -1.", "*End Step"), "LOAD CASE=2", 'group = "Tip"\ntype = "hinged"'),
+            ("a type of support", ("*Boundary", "Tip, YASYMM", "*Step", "*Static", "*End Step"), "*BOUNDARY Tip, YASYMM", 'group = "Tip"'),
+            ("a parameter of a load", ("*Step", "*Static", "*Cload, cyclic mode=1", "Tip, 3, 1.", "*End Step"), "CYCLIC MODE", "nothing"),
+            ("no number of modes", ("*Step", "*Frequency", ", , 100.", "*End Step"), "without a number of modes", "nothing")):
+        code, said, case = begun("abaqus_details", "", *words)
+        report.check(code == 0 and listed in said and missing not in case.read_text(), f"{what} is listed: code {code}, {said[-160:]}")
+    code, said, _ = begun("abaqus_details", "", "*Node, input=more.txt")
+    report.check(code == 2 and "*INCLUDE" in said, f"nodes of another file: code {code}, {said[-100:]}")
+
+
+@test
 def abaqus_loads(report):
     """Surfaces under pressure, weight of one set, temperatures and rubber of a deck as Abaqus/CAE writes them."""
     nodes = [(i, j) for j in range(3) for i in range(5)]
