@@ -29,6 +29,7 @@ PetscErrorCode start_acceleration(TS ts, bool stiff) {
   PetscCall(VecCopy(th.x0, th.x1));
   Mat j = nullptr, p = nullptr;
   KSP ksp = nullptr;
+  if (th.callbacks.exactly) PetscCall(th.callbacks.exactly(th.callbacks.context));
   // X1 = X0 + eps A: the function of X1 is linear in A.
   PetscCall(SNESGetJacobian(ts->snes, &j, &p, nullptr, nullptr));
   PetscCall(SNESComputeFunction(ts->snes, th.x1, th.aa));
@@ -80,7 +81,6 @@ PetscErrorCode end_backward_step(TS ts) {
   PetscCall(set_alpha_shifts(ts));
   PetscCall(VecCopy(ts->vec_sol, th.x0));
   PetscCall(VecCopy(ts->vec_dot, th.v0));
-  if (th.callbacks.exactly) PetscCall(th.callbacks.exactly(th.callbacks.context));
   PetscCall(start_acceleration(ts, true));
   PetscFunctionReturn(0);
 }

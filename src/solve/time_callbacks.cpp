@@ -48,12 +48,13 @@ PetscErrorCode TimeIntegration::Impl::jacobian(TS, PetscReal t, Vec u, Vec, Vec,
   return petsc::guarded([&] {
     n.dynamics.set_time(t);
     n.tangent = {u, s_v, s_a, false};
-    if (n.stay_positive()) {
+    if (!n.exact_tangent && n.stay_positive()) {
       (void)n.assemble(energy::Tangent::positive);
     } else if (!n.assemble(energy::Tangent::exact) || n.linear.negative_pivots() > 0) {
       n.note_indefinite();
       (void)n.assemble(energy::Tangent::positive);
     }
+    n.exact_tangent = false;
   });
 }
 
@@ -82,7 +83,7 @@ void TimeIntegration::Impl::note_rate(double rate) {
 bool TimeIntegration::Impl::assemble(energy::Tangent kind) {
   tangent.positive = kind == energy::Tangent::positive;
   dynamics.assemble_tangent(tangent.u, kind, tangent.s_v, tangent.s_a);
-  if (PC pc = linear.inexact()) linear::expect_indefinite(pc, !tangent.positive);
+  if (PC pc = linear.inexact()) linear::expect_indefinite(pc, !tangent.positive && !exact_tangent);
   linear.tangent_changed();
   return linear.factorise();
 }
@@ -130,6 +131,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
 PetscErrorCode TimeIntegration::Impl::exactly(void* self) {
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] {
+    n.exact_tangent = !n.model.contact();  // which lets go from a gap, and would be factored
     if (PC pc = n.linear.inexact()) linear::set_inexact_tolerance(pc, 0.0);
   });
 }

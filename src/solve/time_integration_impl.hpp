@@ -42,6 +42,8 @@ struct TimeIntegration::Impl {
   double first_step = 0.0;  ///< size of the first step, before the end cuts it [s]
   double wanted = 0.0;      ///< size of the next step, which PETSc may cut to meet the end [s]
   IterativeEffort spent_iterative;
+  bool exact_tangent =
+      false;  ///< the next one is to be: no iteration follows that would mend what a positive one leaves
   int positive_left = 0, spent_factorisations = 0, spent_rejections = 0;
   /// Of this step: the iteration gains a constant factor only, so that the exact tangent is worth another look; iterations
   /// to go before the next one, and how many after it if it is indefinite still; it was not. Rate of the residual last.

@@ -10,6 +10,7 @@ import contacting
 import numpy as np
 from common import check_xdmf, drape_script, fresh, pixels, sheet_on_ball
 from harness import OUT, solve, test
+from panels import Panels
 from solver import ROOT, invoke, run, variant, write_case
 
 
@@ -129,6 +130,21 @@ def fabric_damping(report):
         speed[damped] = math.sqrt(2 * np.mean(np.asarray(h["kinetic_energy"])[late]) / (0.1629 * 0.0016))
     report.check(speed[True] < 0.1 * speed[False],
                  f"root mean square speed in the fourth second: {100 * speed[True]:.2f} cm/s, without damping {100 * speed[False]:.2f}")
+
+
+@test
+def first_acceleration(report):
+    """A motion begins alike whatever solves its systems: what is pulled along x and pressed along y, with a damped membrane, where the tangent is not surely positive."""
+    mesh, random = Panels(), np.random.default_rng(1)
+    mesh.add("plate", (0, 0, 0), (1, 0, 0), (0, 0.7, 0), 6, 6)
+    mesh.points = [p if min(p[0], p[1], 1 - p[0], 0.7 - p[1]) < 1e-6 else tuple(np.add(p, [*random.uniform(-0.03, 0.03, 2), 0])) for p in mesh.points]
+    case = {
+        "analysis": "dynamic", "mesh": {"file": str(mesh.write(OUT / "first_acceleration.msh"))},
+        "material": [{"type": "isotropic", "young": 2e11, "poisson": 0.3, "thickness": 2e-3, "density": 1000.0, "prestress": [1000.0, 500.0], "direction": [1, 0, 0]}],
+        "support": [{"type": "clamped", "group": "plate start"}], "load": [{"type": "area", "vector": [0, 0, 100.0]}], "damping": {"membrane": 1e-3},
+        "time": {"end": 0.02, "step": 0.02}, "petsc": {"options": "-snes_rtol 1e-11 -snes_stol 1e-10"}}
+    ends = [solve("first_acceleration", case, options=words).displacement() for words in ((), ("-pc_type", "cholesky"))]
+    report.below(np.abs(ends[0] - ends[1]).max() / np.abs(ends[1]).max(), 1e-7, "displacements after a step, with conjugate gradients and with a factor")
 
 
 @test
