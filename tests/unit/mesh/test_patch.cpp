@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <map>
 #include <set>
 
 #include "base/decompositions.hpp"
@@ -194,6 +196,36 @@ TEST_CASE("a free curved shell has exactly six rigid-body modes and no stress at
         CHECK(std::abs(e[5]) < 1e-13 * e.maxCoeff());
         CHECK(e[6] > 1e-9 * e.maxCoeff());
       }
+}
+
+TEST_CASE("how a flat sheet bends does not depend on the order of its triangles") {
+  mesh::MeshData given = square(Pattern::jittered, 6), turned = given;
+  std::reverse(turned.triangles.begin(), turned.triangles.end());
+  for (mesh::Group& g : turned.groups)
+    for (Index& t : g.triangles) t = static_cast<Index>(turned.triangles.size()) - 1 - t;
+  const std::vector<energy::Material> materials{isotropic(1.0, 0.3, 1.0)};
+  std::vector<std::vector<std::map<Index, Vec3>>> found;
+  for (const mesh::MeshData& data : {given, turned}) {
+    const mesh::SurfaceMesh mesh(data);
+    const mesh::PatchMesh patches(mesh, {});
+    const energy::Sheet sheet(patches, materials, energy::assign_materials(mesh, materials), {});
+    energy::CurvatureBuilder builder(sheet);
+    found.emplace_back();
+    for (Index t = 0; t < mesh.triangle_count(); ++t) {
+      const energy::CurvatureOperator k = builder.build(t);
+      std::map<Index, Vec3>& weights = found.back().emplace_back();
+      for (std::size_t i = 0; i < k.points.size(); ++i)
+        weights[k.points[i]] = k.weights.col(static_cast<Eigen::Index>(i));
+    }
+  }
+  std::reverse(found[1].begin(), found[1].end());
+  double worst = 0.0, largest = 0.0;
+  for (std::size_t t = 0; t < found[0].size(); ++t)
+    for (const auto& [point, weight] : found[0][t]) {
+      largest = std::max(largest, weight.norm());
+      worst = std::max(worst, (weight - found[1][t].try_emplace(point, Vec3::Zero()).first->second).norm());
+    }
+  CHECK(worst < 1e-9 * largest);
 }
 
 }  // namespace test_patch
