@@ -124,7 +124,7 @@ struct CurvatureBuilder::Impl {
   /// Ring fit around triangle t, or around its side s, about `origin` in the plane of t.
   Fit ring_fit(Index t, int s, const Vec2& origin) {
     const mesh::Frame frame = sheet.frame(t);
-    // Of a side the same from both triangles: which one defines its slope goes by their numbers.
+    // Of a side the same from both triangles: their numbers say which one defines its slope.
     const double across = s < 0 ? entry(t).patch.area : entry(sheet.mesh().neighbour(t, s)).patch.area;
     const double scale = std::sqrt(0.5 * (entry(t).patch.area + across));
     Fit best;

@@ -31,7 +31,7 @@ struct StepFields {
   double load_factor = 0.0;  ///< stored as an attribute
   std::vector<Field> fields;
   std::vector<Vec3> obstacles{};  ///< where the vertices of obstacles are [m]; only if they move
-  std::vector<double> path{};     ///< of a path: what its next step goes by (system::path_record)
+  std::vector<double> path{};     ///< of a path: what its next step needs (system::path_record)
 };
 
 /// What the sheet can touch, as triangles to look at.

@@ -14,7 +14,7 @@ struct StoredStep {
   bool in_motion = false;            ///< whether its run was a motion, whatever fields it recorded
   std::vector<double> displacement;  ///< vertices x 3, global axes, mesh order [m]
   std::vector<double> velocity;      ///< of a motion, else empty [m/s]
-  std::vector<double> path;          ///< of a path: what its next step goes by (system::path_record); else empty
+  std::vector<double> path;          ///< of a path: what its next step needs (system::path_record); else empty
   std::vector<double> previous;      ///< of the step stored before on the same mesh, empty if there is none [m]
 };
 

@@ -27,7 +27,7 @@ std::string what_helps(const record::RunOptions& options) {
              : "their run has left no checkpoint.h5 (time.checkpoint_minutes), so begin anew";
 }
 
-/// A record that makes no sense, as of a damaged file, is left: the path then goes by its last two states.
+/// A record that makes no sense, as of a damaged file, is left: the path then has its last two states.
 void take_path(const std::vector<double>& record, results::Checkpoint& c) {
   const bool good = std::all_of(record.begin(), record.end(), [](double x) { return std::abs(x) < 1e12; });
   if (record.size() != system::path_record_numbers || !good || !(record.front() > 0.0)) return;

@@ -131,7 +131,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
 PetscErrorCode TimeIntegration::Impl::exactly(void* self) {
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] {
-    n.exact_tangent = !n.model.contact();  // which lets go from a gap, and would be factored
+    n.exact_tangent = !n.model.contact();  // whose start would be factored instead
     if (PC pc = n.linear.inexact()) linear::set_inexact_tolerance(pc, 0.0);
   });
 }
