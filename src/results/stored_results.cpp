@@ -105,7 +105,8 @@ void StoredResults::read_named() {
     fail_reading(path_, "its lists of steps differ in length: the file is damaged");
   std::vector<double> path;
   if (H5Lexists(file_, "voile/steps/path", H5P_DEFAULT) > 0) path = read_all(file_, "voile/steps/path", path_);
-  const std::size_t each = number.empty() ? 0 : path.size() / number.size();
+  const bool whole = !number.empty() && path.size() % number.size() == 0;
+  const std::size_t each = whole ? path.size() / number.size() : 0;
   for (std::size_t i = 0; i < number.size(); ++i) {
     if (epoch[i] < 0 || !std::isfinite(time[i]) || !std::isfinite(load_factor[i]))
       fail_reading(path_, fmt::format("its record of step {} makes no sense: the file is damaged", number[i]));

@@ -42,12 +42,6 @@ void PathFollower::Impl::start_from(const system::State& state) {
   force = model.force_scale();
 }
 
-/// Where a load factor moves far, as near a limit point, a first step by load leaves the path: no longer than the one before.
-double PathFollower::Impl::unit_at(const system::State& state) const {
-  const double before = state.previous ? std::sqrt(dot(previous, previous)) / options.initial_step : 0.0;
-  return before > 0.0 ? std::min(before, tangent.speed) : tangent.speed;
-}
-
 void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
   start_from(state);
   tangent = tangent_at(state.u);
@@ -65,7 +59,7 @@ void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
         "moves, add an [[imperfection]], or use control = \"arc_length\"");
   const system::PathMemory& memory = state.path;
   unit = std::abs(options.final_displacement);
-  if (options.control == Control::arc_length) unit = memory.unit > 0.0 ? memory.unit : unit_at(state);
+  if (options.control == Control::arc_length) unit = memory.unit > 0.0 ? memory.unit : tangent.speed;
   length = (state.next_step > 0.0 ? std::min(state.next_step, options.max_step) : options.initial_step) * unit;
   doubted = memory.doubted;
   may_branch = options.at_critical_point == AtCriticalPoint::switch_branch && !memory.has_branched;

@@ -85,7 +85,6 @@ struct PathFollower::Impl {
   [[nodiscard]] double load_correction(const Constraint& constraint) const;
   void predict(const Constraint& constraint, double& lambda);
   void start_from(const system::State& state);
-  [[nodiscard]] double unit_at(const system::State& state) const;
   void begin(const system::State& state, StepResult& r);
   [[nodiscard]] NewtonResult regain(system::State& state, double probed_before);
   [[nodiscard]] Constraint next_constraint(double length) const;

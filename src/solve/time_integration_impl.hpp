@@ -42,8 +42,8 @@ struct TimeIntegration::Impl {
   double first_step = 0.0;  ///< size of the first step, before the end cuts it [s]
   double wanted = 0.0;      ///< size of the next step, which PETSc may cut to meet the end [s]
   IterativeEffort spent_iterative;
-  bool exact_tangent =
-      false;  ///< the next one is to be: no iteration follows that would mend what a positive one leaves
+  /// The next tangent is to be the exact one: no iteration follows that would mend what a positive one leaves.
+  bool exact_tangent = false;
   int positive_left = 0, spent_factorisations = 0, spent_rejections = 0;
   /// Of this step: the iteration gains a constant factor only, so that the exact tangent is worth another look; iterations
   /// to go before the next one, and how many after it if it is indefinite still; it was not. Rate of the residual last.
