@@ -109,6 +109,10 @@ class Step:
         """Unit of a field."""
         return self.results._unit(self.place, name)
 
+    def on_vertices(self, name: str) -> bool:
+        """Whether a field has a row for each vertex; otherwise for each triangle."""
+        return self.results._on_vertices(self.place, name)
+
     def to_pyvista(self) -> Any:
         """The sheet at this step as pyvista.PolyData with all fields; needs the package pyvista."""
         try:
@@ -119,7 +123,7 @@ class Step:
         sheet = pyvista.PolyData(self.positions, np.column_stack([np.full(len(triangles), 3), triangles]).ravel())
         for name in self.names():
             values = self[name]
-            (sheet.point_data if len(values) == len(self.mesh.positions) else sheet.cell_data)[name] = values
+            (sheet.point_data if self.on_vertices(name) else sheet.cell_data)[name] = values
         return sheet
 
     def __contains__(self, name: str) -> bool:
@@ -243,6 +247,12 @@ class Results:
                 return text(data["fields"][name].attrs["unit"])
         with h5py.File(self.file, "r") as data:
             return text(data[self._paths[name]].attrs["unit"])
+
+    def _on_vertices(self, place: int, name: str) -> bool:
+        if not self.complete:
+            with opened(self._file(place)) as data:
+                return text(data["fields"][name].attrs["centre"]) == "vertex"
+        return "/PointData/" in self._paths[name]
 
     def _where(self, place: int, epoch: int, name: str) -> tuple[str, int, int]:
         """(path, first row, number of rows) of a field in the one file."""

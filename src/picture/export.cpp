@@ -120,7 +120,7 @@ bool Exporter::same_mesh(std::size_t i) const {
 
 void Exporter::put_on_one_mesh(Snapshot& s) const {
   std::vector<Vec3> x = one_mesh_->positions(s.state);
-  for (const double away : one_mesh_->distances(s.state, x)) distance_ = std::max(distance_, away);
+  for (const Resampled::Distance& d : one_mesh_->distances(s.state, x)) distance_ = std::max(distance_, d.length);
   s.state.mesh = one_mesh_->mesh();
   s.state.positions = x;
   // The sheet as body 0, each obstacle triangle as 1: obstacles may meet each other.
@@ -152,10 +152,11 @@ std::vector<std::string> Exporter::notes() const {
   if (!intersecting_.empty())
     intersections = fmt::format("the sheet intersects in {} of {} frames, first at step {}", intersecting_.size(),
                                 size(), *intersecting_.begin());
-  return {fmt::format("one mesh of {} vertices for all frames: at most {:.2g} {} from the meshes of the run; {}",
+  return {fmt::format("one mesh of {} vertices for all frames: at most {:.2g} {} from the meshes of the run{}; {}",
                       one_mesh_->mesh()->data.positions.size(),
                       recording_.metres() == 1.0 ? 1e3 * distance_ : distance_,
-                      recording_.metres() == 1.0 ? "mm" : recording_.unit(), intersections)};
+                      recording_.metres() == 1.0 ? "mm" : recording_.unit(),
+                      distance_ > one_mesh_->tolerance() ? ", beyond the tolerance" : "", intersections)};
 }
 
 Snapshot Exporter::snapshot(std::size_t i) const {

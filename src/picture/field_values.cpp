@@ -112,6 +112,7 @@ FieldValues field_values(const results::Field& field, const std::string& compone
   result.label =
       field.name + (chosen->name.empty() ? "" : ", " + chosen->name) + (unit == "1" ? "" : fmt::format(" [{}]", unit));
   std::replace(result.label.begin(), result.label.end(), '_', ' ');
+  result.on_triangles = field.centre == results::Centre::triangle;
   for (std::size_t i = 0; i + columns <= field.values.size(); i += columns)
     result.values.push_back(static_cast<float>(chosen->value(field.values.data() + i, shear)));
   return result;

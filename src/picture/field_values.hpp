@@ -17,6 +17,7 @@ struct FieldChoice {
 struct FieldValues {
   std::string label;  ///< e.g. "membrane_force, larger [N/m]"
   std::vector<float> values;
+  bool on_triangles = false;
 };
 
 /// Names of the numbers of a field, "" if it has one: x, y, z of vectors on vertices; 11, 22, 12 of tensors of the surface, on

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <limits>
+#include <set>
 
 #include "adapt/remesh.hpp"
 #include "voile/errors.hpp"
@@ -29,6 +30,8 @@ constexpr double beside = 0.01;
 /// Distance from the triangle that was found, over the longest edge there of the coarser mesh, beyond which the meshes are of
 /// different sheets.
 constexpr double far = 0.5;
+/// Over the extent of the sheet: meshes that are closer at the start are of one surface, as those of plane pieces.
+constexpr double same = 1e-9;
 
 Vec3 centroid(const std::vector<Vec3>& x, const mesh::Triangle& t) {
   return (x[t[0]] + x[t[1]] + x[t[2]]) / 3.0;
@@ -53,14 +56,6 @@ double extent(const std::vector<Vec3>& x) {
   return box.sizes().maxCoeff();
 }
 
-/// Some triangle of each vertex.
-std::vector<Index> triangles_of_vertices(const mesh::MeshData& mesh) {
-  std::vector<Index> result(mesh.positions.size(), no_index);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const Index v : mesh.triangles[t]) result[v] = static_cast<Index>(t);
-  return result;
-}
-
 /// Longest edge at each vertex [m].
 std::vector<double> edges_at(const mesh::MeshData& mesh) {
   std::vector<double> longest(mesh.positions.size(), 0.0);
@@ -82,17 +77,21 @@ class Resampled::Locator {
   explicit Locator(const mesh::MeshData& mesh) : mesh_(mesh), search_(mesh.positions, mesh.triangles) {}
   /// The vertices of another mesh.
   [[nodiscard]] std::vector<Place> vertices_of(const mesh::MeshData& other) const {
+    return places_of(other, vertices(other));
+  }
+  /// Points of another mesh.
+  [[nodiscard]] std::vector<Place> places_of(const mesh::MeshData& other, const std::vector<Place>& points) const {
     std::vector<Place> places;
-    const std::vector<Index> triangle = triangles_of_vertices(other);
     const std::vector<double> edges = edges_at(other);
-    for (std::size_t v = 0; v < other.positions.size(); ++v) {
-      const Vec3& p = other.positions[v];
-      const Vec3 inside = centroid(other.positions, other.triangles[triangle[v]]);
-      const Index t = search_.find(p + inwards * (inside - p));
+    for (const Place& point : points) {
+      const mesh::Triangle& of = other.triangles[point.triangle];
+      const Vec3 p = at(other.positions, of, point.weights);
+      const Index t = search_.find(p + inwards * (centroid(other.positions, of) - p));
       const mesh::Triangle& face = mesh_.triangles[t];
       places.push_back({t, geometry::nearest_weights(p, corners(mesh_.positions, face), beside)});
+      const double there = std::max({edges[of[0]], edges[of[1]], edges[of[2]]});
       if ((at(mesh_.positions, face, places.back().weights) - p).norm() >
-          far * std::max(edges[v], longest_side(mesh_.positions, face)))
+          far * std::max(there, longest_side(mesh_.positions, face)))
         throw UserError(
             fmt::format("one mesh for all frames: the sheet at ({:.4g}, {:.4g}, {:.4g}) m at the start is not in all "
                         "meshes of the run; export its stages or steps apart (--stage, --steps FIRST:LAST)",
@@ -104,6 +103,14 @@ class Resampled::Locator {
     std::vector<Index> triangles;
     for (const mesh::Triangle& t : other.triangles) triangles.push_back(search_.find(centroid(other.positions, t)));
     return triangles;
+  }
+
+  /// Each vertex of a mesh, in some triangle of it.
+  static std::vector<Place> vertices(const mesh::MeshData& mesh) {
+    std::vector<Place> result(mesh.positions.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      for (int i = 0; i < 3; ++i) result[mesh.triangles[t][i]] = {static_cast<Index>(t), Vec3::Unit(i)};
+    return result;
   }
 
  private:
@@ -139,10 +146,10 @@ Resampled::Resampled(const Recording& recording, const std::vector<Moment>& mome
   mesh_ = *std::max_element(meshes_.begin(), meshes_.end(), [](const auto& a, const auto& b) {
     return a->data.positions.size() < b->data.positions.size();
   });
-  const double allowed = tolerance.value_or(default_tolerance * extent(mesh_->data.positions));
+  tolerance_ = tolerance.value_or(default_tolerance * extent(mesh_->data.positions));
   split(wanted_sizes(mesh_->data));
   for (int k = 0; k < most_refinements && mesh_->data.positions.size() < most_vertices; ++k) {
-    const std::vector<double> sizes = smaller_sizes(recording, moments, allowed);
+    const std::vector<double> sizes = smaller_sizes(recording, moments);
     if (sizes.empty()) break;
     split(sizes);
   }
@@ -158,25 +165,32 @@ void Resampled::split(const std::vector<double>& sizes) {
   next->data = adapt::remesh(base, adapt::RestSurface(base), base.positions(), sizes, {}, options).mesh;
   mesh_ = next;
   const Locator on_this(mesh_->data);
+  same_surface_ = true;
   for (const auto& mesh : meshes_) {
     const Locator there(mesh->data);
-    of_[mesh.get()] = {there.vertices_of(mesh_->data), on_this.vertices_of(mesh->data),
+    std::vector<Place> vertices = there.vertices_of(mesh_->data);
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+      const Vec3 found = at(mesh->data.positions, mesh->data.triangles[vertices[v].triangle], vertices[v].weights);
+      same_surface_ = same_surface_ && (found - mesh_->data.positions[v]).norm() < same * extent(mesh_->data.positions);
+    }
+    auto between = points_between(there, vertices);
+    of_[mesh.get()] = {std::move(vertices), on_this.vertices_of(mesh->data), std::move(between),
                        there.triangles_of(mesh_->data)};
   }
 }
 
-std::vector<double> Resampled::smaller_sizes(const Recording& recording, const std::vector<Moment>& moments,
-                                             double tolerance) const {
+std::vector<double> Resampled::smaller_sizes(const Recording& recording, const std::vector<Moment>& moments) const {
   std::vector<double> sizes = edges_at(mesh_->data);
   bool any = false;
   for (const Moment& moment : moments) {
     const State state = recording.state(moment, 1.0);
-    const std::vector<double> away = distances(state, positions(state));
-    const std::vector<Place>& back = of_.at(state.mesh.get()).back;
-    for (std::size_t v = 0; v < away.size(); ++v) {
-      if (away[v] <= tolerance) continue;
+    const std::vector<Distance> away = distances(state, positions(state));
+    const std::size_t count = same_surface_ ? away.size() : state.positions.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const Distance& d = away[i];
+      if (d.length <= tolerance_) continue;
       any = true;
-      const mesh::Triangle& t = mesh_->data.triangles[back[v].triangle];
+      const mesh::Triangle& t = mesh_->data.triangles[d.triangle];
       const double half = 0.5 * size_fraction * longest_side(mesh_->data.positions, t);
       for (const Index w : t) sizes[w] = std::min(sizes[w], half);
     }
@@ -212,14 +226,38 @@ results::Field Resampled::field(const results::StoredMesh& from, results::Field 
   return field;
 }
 
-std::vector<double> Resampled::distances(const State& state, const std::vector<Vec3>& positions) const {
-  std::vector<double> away;
-  const std::vector<Place>& back = of_.at(state.mesh.get()).back;
-  for (std::size_t v = 0; v < back.size(); ++v) {
-    const mesh::Triangle& t = mesh_->data.triangles[back[v].triangle];
-    away.push_back((at(positions, t, back[v].weights) - state.positions[v]).norm());
+std::vector<Resampled::Distance> Resampled::distances(const State& state, const std::vector<Vec3>& positions) const {
+  std::vector<Distance> away;
+  const Correspondence& c = of_.at(state.mesh.get());
+  const auto on_one = [&](const Place& p) { return at(positions, mesh_->data.triangles[p.triangle], p.weights); };
+  for (std::size_t v = 0; v < c.back.size(); ++v)
+    away.push_back({(on_one(c.back[v]) - state.positions[v]).norm(), c.back[v].triangle});
+  for (const auto& [one, run] : c.between) {
+    const Vec3 x = on_one(one);
+    const std::array<Vec3, 3> face = corners(state.positions, state.mesh->data.triangles[run.triangle]);
+    const Vec3 w = geometry::nearest_weights(x, face);
+    away.push_back({(w[0] * face[0] + w[1] * face[1] + w[2] * face[2] - x).norm(), one.triangle});
   }
   return away;
+}
+
+/// Points of edges of the one mesh whose ends are on two triangles of another: both meshes are farthest apart where edges cross.
+std::vector<std::pair<Resampled::Place, Resampled::Place>> Resampled::points_between(
+    const Locator& there, const std::vector<Place>& vertices) const {
+  std::vector<Place> points;
+  std::set<std::pair<Index, Index>> seen;
+  for (std::size_t t = 0; t < mesh_->data.triangles.size(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3;
+      const Index a = mesh_->data.triangles[t][i], b = mesh_->data.triangles[t][j];
+      if (vertices[a].triangle == vertices[b].triangle || !seen.insert(std::minmax(a, b)).second) continue;
+      for (const double part : {0.25, 0.5, 0.75})
+        points.push_back({static_cast<Index>(t), (1.0 - part) * Vec3::Unit(i) + part * Vec3::Unit(j)});
+    }
+  const std::vector<Place> places = there.places_of(mesh_->data, points);
+  std::vector<std::pair<Place, Place>> pairs;
+  for (std::size_t k = 0; k < points.size(); ++k) pairs.emplace_back(points[k], places[k]);
+  return pairs;
 }
 
 }  // namespace voile::picture

@@ -19,6 +19,7 @@ struct Surface {
   Rgb front{0, 0, 0}, back{0, 0, 0};  ///< colours of the side that normals point to, and of the other
   float sheen = 0.0F;                 ///< 0 to 1, of cloth at grazing sight
   std::vector<float> values;          ///< per vertex, or per triangle, shown by the scene's scale; empty: plain
+  bool values_on_triangles = false;
   std::vector<Rgb> triangle_colours;  ///< wins over values; empty: none
   std::vector<std::uint8_t>
       marked_sides{};  ///< bit s of a triangle: its side s (opposite to vertex s) is drawn; empty: none

@@ -156,7 +156,10 @@ Surface Show::sheet(const Moment& moment, const State& state) const {
   if (cloth_) make_cloth(state, s);
   if (options_.field.empty()) return s;
   s.sheen = 0.0F;
-  if (const std::optional<FieldValues> found = values(moment)) s.values = found->values;
+  if (const std::optional<FieldValues> found = values(moment)) {
+    s.values = found->values;
+    s.values_on_triangles = found->on_triangles;
+  }
   // A step without the field is grey.
   if (s.values.empty()) s.values.assign(s.positions.size(), std::numeric_limits<float>::quiet_NaN());
   return s;

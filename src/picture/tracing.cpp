@@ -111,7 +111,7 @@ Rgb Tracer::colour_at(const Surface& s, std::size_t t, const Eigen::Vector3f& ba
   Rgb colour = is_front ? s.front : s.back;
   if (!s.triangle_colours.empty()) {
     colour = s.triangle_colours[t];
-  } else if (s.values.size() == s.triangles.size() && s.values.size() != s.positions.size()) {
+  } else if (s.values_on_triangles) {
     colour = scene_.scale.map(scene_.scale.place(s.values[t]));
   } else if (!s.values.empty()) {
     float value = 0.0F;

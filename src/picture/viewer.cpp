@@ -84,6 +84,7 @@ class Meshes {
 struct Shown {
   FieldChoice choice;
   std::string label;
+  bool on_triangles = false;
   double low = std::numeric_limits<double>::infinity(), high = -low;
 
   [[nodiscard]] Json values(const Recording& recording, const Moment& moment) {
@@ -92,6 +93,7 @@ struct Shown {
     const FieldValues v =
         field_values(run.field(*moment.step, choice.name, recording.mesh(moment)->data), choice.component);
     label = v.label;
+    on_triangles = v.on_triangles;
     for (const float x : v.values)
       if (std::isfinite(x)) {
         low = std::min<double>(low, x);
@@ -104,7 +106,11 @@ struct Shown {
     std::vector<std::uint8_t> colours;
     for (int i = 0; i <= 256; ++i)
       for (const std::uint8_t c : to_bytes(scale.map(static_cast<float>(i) / 256.0F))) colours.push_back(c);
-    return {{"label", label}, {"low", scale.low}, {"high", scale.high}, {"colours", base64(colours)}};
+    return {{"label", label},
+            {"on_triangles", on_triangles},
+            {"low", scale.low},
+            {"high", scale.high},
+            {"colours", base64(colours)}};
   }
 };
 
@@ -126,7 +132,7 @@ void write_viewer(const Recording& recording, const std::vector<Moment>& moments
   std::vector<Shown> shown;
   for (const std::string& text : options.fields) shown.push_back({parse_field(text), ""});
   Meshes meshes;
-  Json run{{"rate", options.rate}, {"frames", Json::array()}, {"fields", Json::array()}};
+  Json run{{"rate", options.rate}, {"unit", recording.unit()}, {"frames", Json::array()}, {"fields", Json::array()}};
   for (std::size_t i = 0; i < e.size(); ++i) {
     const Snapshot s = e.snapshot(i);
     Json frame{{"caption", recording.caption(moments[i])},

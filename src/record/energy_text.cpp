@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "validity.hpp"
+
 namespace voile::record {
 
 namespace {
@@ -32,7 +34,7 @@ std::string balance_text(const system::EnergyBalance& b, double round_off) {
   const double all = b.turnover(), amiss = std::abs(b.unaccounted);
   text += fmt::format("; unaccounted {:.2g}", b.unaccounted);
   if (amiss <= round_off) return text + " (round-off)";
-  return text + fmt::format(" ({:.2g} %)", all > 0.0 ? 100.0 * amiss / all : 0.0);
+  return text + fmt::format(" ({})", percent_text(amiss / all));
 }
 
 std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOptions& options, double round_off) {
@@ -40,16 +42,16 @@ std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOpt
   if (std::max({gained, -b.damping, std::abs(b.unaccounted)}) <= round_off) return "";
   if (gained > much * all && gained > std::abs(b.unaccounted))
     return fmt::format(
-        "the time stepping has created {:.3g} J, {:.2g} % of the energy that came in: speeds or stiffnesses are beyond "
+        "the time stepping has created {:.3g} J, {} of the energy that came in: speeds or stiffnesses are beyond "
         "what steps of this size resolve; use a smaller time.step (history: numerical_loss)",
-        gained, 100.0 * gained / all);
+        gained, percent_text(gained / all));
   if (-b.damping > much * all)
     return fmt::format(
-        "damping has given {:.3g} J instead of taking it, {:.2g} % of the energy that came in: steps are long against "
+        "damping has given {:.3g} J instead of taking it, {} of the energy that came in: steps are long against "
         "what "
         "is damped, and what it takes is not separated from numerical loss; use a smaller time.step, above all after "
         "velocities that jump (history: damping_loss)",
-        -b.damping, 100.0 * -b.damping / all);
+        -b.damping, percent_text(-b.damping / all));
   if (!(std::abs(b.unaccounted) > much * all)) return "";
   const bool iterates = options.method == solve::TimeOptions::Method::implicit_alpha;
   std::string remedy = "a smaller time.step";
@@ -58,9 +60,9 @@ std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOpt
   else if (iterates)
     remedy += ", or smaller -snes_rtol and -snes_stol,";
   return fmt::format(
-      "{:.2g} % of the energy is not accounted for: forces that steps leave unbalanced did that work; {} is needed "
+      "{} of the energy is not accounted for: forces that steps leave unbalanced did that work; {} is needed "
       "where energies or speeds count (history: energy_unaccounted)",
-      100.0 * std::abs(b.unaccounted) / all, remedy);
+      percent_text(std::abs(b.unaccounted) / all), remedy);
 }
 
 std::string rest_text(const KineticEnergy& k) {

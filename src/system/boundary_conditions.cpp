@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/group_list.hpp"
 #include "base/mpi.hpp"
 #include "edge_moments.hpp"
 #include "energy/loads.hpp"
@@ -56,11 +57,16 @@ void add_line_load(const mesh::SurfaceMesh& mesh, const Load& load, const AddFor
   }
 }
 
-/// Which vertices a load of gravity acts on: of its group, all without one.
-std::vector<char> vertices_under(const mesh::SurfaceMesh& mesh, const Load& load) {
-  std::vector<char> under(static_cast<std::size_t>(mesh.vertex_count()), load.group.empty() ? 1 : 0);
-  if (!load.group.empty())
-    for (const Index v : mesh.group(load.group).vertices) under[v] = 1;
+/// The part of a mass at each vertex that a load of gravity acts on: that of the area around it which is of the load's group, so
+/// that loads on the parts of a sheet together are one on the whole.
+std::vector<double> parts_under(const mesh::SurfaceMesh& mesh, const Load& load) {
+  const auto count = static_cast<std::size_t>(mesh.vertex_count());
+  if (load.group.empty()) return std::vector<double>(count, 1.0);
+  std::vector<double> under(count, 0.0), around(count, 0.0);
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    for (const Index v : mesh.triangles()[t]) around[v] += mesh.area(t);
+  for (const Index t : loaded_triangles(mesh, load))
+    for (const Index v : mesh.triangles()[t]) under[v] += mesh.area(t) / around[v];
   return under;
 }
 
@@ -351,10 +357,13 @@ void BoundaryConditions::build_loads(const std::vector<Load>& loads, const std::
     }
     if (load.kind == Load::Kind::gravity) {
       if (masses.empty()) check_gravity(*on_, load);
-      const std::vector<char> weighs = vertices_under(on_->mesh(), load);
-      for (const PointMass& m : masses)
+      const std::vector<double> under = parts_under(on_->mesh(), load);
+      const std::vector<std::string> groups = groups_of(load.group);
+      for (const PointMass& m : masses) {
+        const bool same = contains(groups, m.group);
         for (const Index v : on_->mesh().group(m.group).places())
-          if (weighs[v]) add(v, m.mass * load.vector);
+          if (under[v] > 0.0) add(v, (same ? 1.0 : under[v]) * m.mass * load.vector);
+      }
     }
     spread(*on_, load, add);
   }

@@ -82,6 +82,29 @@ const std::filesystem::path stored = std::filesystem::path(VOILE_SOURCE_FOLDER) 
 
 }  // namespace
 
+TEST_CASE("values of triangles are theirs, also of a surface with as many vertices") {
+  // A ring of cells one high, closed: 2 n vertices, 2 n triangles.
+  constexpr Index n = 12;
+  Scene scene;
+  scene.scale = make_scale(0.0, 1.0);
+  Surface& s = scene.surfaces.emplace_back();
+  for (Index i = 0; i < n; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / n;
+    for (const double z : {0.0, 0.5}) s.positions.emplace_back(std::cos(angle), std::sin(angle), z);
+    const Index a = 2 * i, b = 2 * ((i + 1) % n);
+    s.triangles.push_back({a, b, b + 1});
+    s.triangles.push_back({a, b + 1, a + 1});
+  }
+  s.normals = corner_normals(s.positions, s.triangles, 1.2);
+  REQUIRE(s.positions.size() == s.triangles.size());
+  s.values_on_triangles = true;
+  for (std::size_t t = 0; t < s.triangles.size(); ++t) s.values.push_back(t % 2 == 0 ? 1.0F : 0.0F);
+  const Image by_values = drawn(scene);
+  for (const float x : s.values) s.triangle_colours.push_back(scene.scale.map(scene.scale.place(x)));
+  const Image expected = drawn(scene);
+  CHECK(difference(by_values, expected) < 1e-6);
+}
+
 TEST_CASE("a picture is the stored one; VOILE_STORE_PICTURES=1 stores it anew") {
   if (std::getenv("VOILE_STORE_PICTURES")) write_png(stored, drawn(waves(), Quality::final()));
   const Image expected = read_png(stored);

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "solve/load_path.hpp"
 #include "system/gas.hpp"
@@ -156,6 +157,38 @@ TEST_CASE("forces act where the load is") {
     expected +=
         2.5 * mesh.area(t) * (mesh.rest_corner(t, 0) + mesh.rest_corner(t, 1) + mesh.rest_corner(t, 2)).cross(q) / 3.0;
   CHECK((moment(mesh.positions(), weight) - expected).norm() < 1e-13);
+}
+
+TEST_CASE("gravity on the parts of a sheet is that on the whole, masses where they meet too") {
+  mesh::MeshData data = square(Pattern::jittered, 4);
+  mesh::Group west{"west", 2, {}, {}, {}}, east{"east", 2, {}, {}, {}};
+  for (std::size_t t = 0; t < data.triangles.size(); ++t) {
+    double x = 0.0;
+    for (const Index v : data.triangles[t]) x += data.positions[v][0] / 3.0;
+    (x < 0.5 ? west : east).triangles.push_back(static_cast<Index>(t));
+  }
+  for (mesh::Group* g : {&west, &east}) {
+    std::set<Index> of;
+    for (const Index t : g->triangles) of.insert(data.triangles[t].begin(), data.triangles[t].end());
+    g->vertices.assign(of.begin(), of.end());
+  }
+  data.groups.push_back(west);
+  data.groups.push_back(east);
+  const mesh::SurfaceMesh mesh(data);
+  system::ModelInput parts =
+      free_sheet({load(LoadKind::gravity, "west", Vec3(0, 0, -1)), load(LoadKind::gravity, "east", Vec3(0, 0, -1))});
+  parts.masses = {{"bottom", 3.0}};
+  system::ModelInput whole = parts;
+  whole.loads = {load(LoadKind::gravity, "", Vec3(0, 0, -1))};
+  const std::vector<Vec3> by_parts = at_rest(mesh, parts), at_once = at_rest(mesh, whole);
+  for (std::size_t v = 0; v < by_parts.size(); ++v) CHECK((by_parts[v] - at_once[v]).norm() < 1e-12);
+  // A mass on the group of the load weighs in full there.
+  whole.loads = {load(LoadKind::gravity, "west", Vec3(0, 0, -1))};
+  whole.masses.clear();
+  const double sheet = sum(at_rest(mesh, whole))[2];
+  whole.masses = {{"west", 3.0}};
+  const double loaded = sum(at_rest(mesh, whole))[2];
+  CHECK(sheet - loaded == relative(3.0 * static_cast<double>(mesh.group("west").vertices.size())).epsilon(1e-12));
 }
 
 TEST_CASE("loads follow the load factor unless they are constant") {
