@@ -5,10 +5,29 @@
 #include <algorithm>
 #include <cctype>
 #include <sstream>
+#include <utility>
 
+#include "base/text.hpp"
+#include "case_keys.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::input {
+
+namespace {
+
+/// The name of a stage with a value of its own for a key that is set for all, and the key that sets it there; empty: none.
+std::pair<std::string, std::string> stage_with(const toml::table& root, const std::vector<std::string>& path) {
+  const toml::array* stages = root["stage"].as_array();
+  if (!stages || path.size() < 2 || !contains(stage_tables(), path.front())) return {};
+  for (std::size_t k = 0; k < stages->size(); ++k) {
+    const toml::table* stage = stages->get(k)->as_table();
+    if (stage && (*stage)[path[0]][path[1]])
+      return {(*stage)["name"].value_or(std::to_string(k)), fmt::format("stage.{}.{}", k, join(path, "."))};
+  }
+  return {};
+}
+
+}  // namespace
 
 void apply_setting(toml::table& root, const std::string& setting) {
   const auto fail = [&](const std::string& why) { throw UserError(fmt::format("--set {}: {}", setting, why)); };
@@ -18,6 +37,8 @@ void apply_setting(toml::table& root, const std::string& setting) {
   std::istringstream words(setting.substr(0, equals));
   for (std::string word; std::getline(words, word, '.');) path.push_back(word);
   const std::string written = setting.substr(equals + 1);
+  if (const auto [stage, key] = stage_with(root, path); !key.empty())
+    fail(fmt::format("stage '{}' has its own value, which would stay; set {} instead", stage, key));
   toml::table value;
   try {
     value = toml::parse("value = " + written);

@@ -152,6 +152,22 @@ long LinearSolver::negative_eigenvalues() {
   return inertia.conservative || inertia.negative == 0 ? inertia.negative : -1;
 }
 
+long LinearSolver::certain_negative_eigenvalues() {
+  constexpr double round_off = 1e-13;
+  constexpr long motions = 6;  // that nothing resists, of a body: more negative eigenvalues are not of them alone
+  const long count = negative_eigenvalues();
+  if (count <= 0 || count > motions || !change().empty()) return count;
+  petsc::MatHandle raised;
+  VOILE_PETSC(MatDuplicate(model_.tangent().matrix(), MAT_COPY_VALUES, raised.out()));
+  petsc::VecHandle diagonal = model_.dofs().create_vector();
+  VOILE_PETSC(MatGetDiagonal(raised, diagonal));
+  VOILE_PETSC(VecAbs(diagonal));
+  VOILE_PETSC(VecScale(diagonal, round_off));
+  VOILE_PETSC(MatDiagonalSet(raised, diagonal, ADD_VALUES));
+  const long certain = inertia_of(raised).negative;
+  return certain < 0 ? count : std::min(count, certain);
+}
+
 void check_mumps_room(int error, int size) {
   if (error == -90)
     throw UserError(

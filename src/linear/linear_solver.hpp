@@ -69,6 +69,9 @@ class LinearSolver {
   /// Negative eigenvalues of the model's last tangent, by a factor of its own where the solver does not tell: of its symmetric part where follower loads
   /// make it unsymmetric, and -1 where those have no potential and the count is not 0. Collective.
   [[nodiscard]] long negative_eigenvalues();
+  /// Those of them that round-off cannot make: they stay where each entry of the diagonal grows by some of its round-off. A motion
+  /// that nothing resists, as of an unloaded sheet about its hinge, has the eigenvalue 0, and any sign. Collective.
+  [[nodiscard]] long certain_negative_eigenvalues();
   /// What failed last, for the log; emptied by the call.
   [[nodiscard]] std::string take_failure();
 

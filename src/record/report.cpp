@@ -14,6 +14,7 @@
 #include "setup/gas_rims.hpp"
 #include "setup/hinge_notes.hpp"
 #include "setup/mesh_report.hpp"
+#include "solve/convergence.hpp"
 #include "validity.hpp"
 #include "voile/errors.hpp"
 
@@ -50,7 +51,7 @@ std::string state_text(const input::Case& c, const Summary& s) {
   if (c.finds_modes() && s.eigen.empty()) return "converged: the response at every frequency";
   if (c.finds_modes()) return fmt::format("converged: {} modes", s.eigen.size());
   if (c.analysis == input::Analysis::dynamic) return "converged: every step";
-  return fmt::format("converged: residual {:.1e} of the forces{}", s.residual,
+  return fmt::format("converged: residual {}{}", solve::part_of_forces(s.residual),
                      s.negative_pivots < 0    ? ""
                      : s.negative_pivots == 0 ? ", a stable equilibrium"
                                               : ", an unstable equilibrium");

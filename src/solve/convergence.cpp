@@ -45,6 +45,10 @@ double cell_stiffness(const system::Model& model) {
 
 }  // namespace
 
+std::string part_of_forces(double residual) {
+  return residual > loosest ? "of round-off" : fmt::format("{:.1e} of the forces", residual);
+}
+
 ConvergenceTest::ConvergenceTest(const system::Model& model)
     : distance_(farthest(model)),
       resolution_(std::numeric_limits<double>::epsilon() * std::sqrt(static_cast<double>(model.dofs().unknowns()))),

@@ -13,6 +13,8 @@
 
 #include <petscsnes.h>
 
+#include <string>
+
 #include "system/model.hpp"
 
 namespace voile::solve {
@@ -27,6 +29,9 @@ struct Progress {
   double work = 0.0;             ///< r.dx [J]
   bool is_newton = true;         ///< dx is the full increment of Newton's method
 };
+
+/// "1.2e-05 of the forces"; where forces have reached their round-off there is nothing to compare a residual with.
+[[nodiscard]] std::string part_of_forces(double residual);
 
 class ConvergenceTest {
  public:

@@ -202,7 +202,7 @@ void Drape::Impl::judge(Vec a, NewtonResult& n) {
   model.assemble_tangent(a, request);
   linear.tangent_changed();
   const bool factored = linear.factorise();
-  n.negative_pivots = factored ? linear.negative_eigenvalues() : -1;
+  n.negative_pivots = factored ? linear.certain_negative_eigenvalues() : -1;
   now.stable = n.negative_pivots == 0;
   now.eigenvalue = factored ? linear::inverse_iteration(model, linear, mode, inverse_iterations) : 0.0;
   if (factored) n.eigenvalue = now.eigenvalue;
@@ -246,8 +246,8 @@ void Drape::Impl::conclude(system::State& state, StepResult& r) {
   state.in_equilibrium = r.newton.converged;
   r.taken = 1.0;
   if (remark)
-    remark(fmt::format("residual {:.3e} N ({:.1e} of the forces); {}; eigenvalue nearest to zero {:.4g} 1/s^2",
-                       now.residual, r.newton.residual,
+    remark(fmt::format("residual {:.3e} N ({}); {}; eigenvalue nearest to zero {:.4g} 1/s^2", now.residual,
+                       part_of_forces(r.newton.residual),
                        now.stable                     ? "stable"
                        : r.newton.negative_pivots < 0 ? "stability not known (follower loads without a potential)"
                                                       : "UNSTABLE",

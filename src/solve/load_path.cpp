@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "base/interrupt.hpp"
@@ -82,7 +83,8 @@ namespace {
 /// find a sheet that is folded by 45 degrees from one that is flat.
 constexpr double first_part = 0.25, least_part = 1e-3;
 
-NewtonResult grow_folds(Newton& newton, system::Model& model, Vec u) {
+/// From the state u to that at fraction 1 of what `set` changes, in steps of Newton's method; where it ends before, by continuation.
+NewtonResult in_parts(Newton& newton, system::Model& model, Vec u, const std::function<void(double)>& set) {
   const petsc::VecHandle accepted = model.dofs().create_vector();
   VOILE_PETSC(VecCopy(u, accepted));
   NewtonResult all;
@@ -94,16 +96,38 @@ NewtonResult grow_folds(Newton& newton, system::Model& model, Vec u) {
   double at = 0.0;
   for (double part = first_part; at < 1.0 && part >= least_part;) {
     const double next = std::min(1.0, at + part);
-    model.potential().ease_folds(next);
+    set(next);
     tally(newton.step(u));
     VOILE_PETSC(
         VecCopy(all.converged ? u : static_cast<Vec>(accepted), all.converged ? static_cast<Vec>(accepted) : u));
     if (all.converged) at = next;
     part = all.converged ? std::min(first_part, 2.0 * part) : 0.5 * part;
   }
-  model.potential().ease_folds(1.0);
+  set(1.0);
   if (at < 1.0) tally(newton.continuation(u));
   return all;
+}
+
+NewtonResult grow_folds(Newton& newton, system::Model& model, Vec u) {
+  return in_parts(newton, model, u, [&](double fraction) { model.potential().ease_folds(fraction); });
+}
+
+/// What has been taken away since the state `start` goes bit by bit: its residual is held by forces that go.
+NewtonResult let_go(Newton& newton, system::Model& model, Vec start, Vec u) {
+  const petsc::VecHandle held = model.dofs().create_vector();
+  VOILE_PETSC(VecCopy(start, u));
+  model.residual(u, held);
+  model.dofs().clear_fixed(held);
+  system::BoundaryConditions& conditions = model.conditions();
+  petsc::VecHandle own = conditions.take_external();
+  const NewtonResult n = in_parts(newton, model, u, [&](double fraction) {
+    petsc::VecHandle force = model.dofs().create_vector();
+    if (own) VOILE_PETSC(VecCopy(own, force));
+    VOILE_PETSC(VecAXPY(force, 1.0 - fraction, held));
+    conditions.set_external(std::move(force));
+  });
+  conditions.set_external(std::move(own));
+  return n;
 }
 
 }  // namespace
@@ -119,14 +143,19 @@ StepResult find_equilibrium(system::Model& model, system::State& state) {
   // From here on friction resists: without it a sheet that rests on a slope would slide off.
   newton.start_friction(state.u);
   const auto search = [&] { return newton.continuation(state.u); };
-  const NewtonResult n = folds ? grow_folds(newton, model, state.u) : newton.settle_friction(state.u, search(), search);
+  const petsc::VecHandle start = model.dofs().create_vector();
+  VOILE_PETSC(VecCopy(state.u, start));
+  NewtonResult n = folds ? grow_folds(newton, model, state.u) : newton.settle_friction(state.u, search(), search);
+  if (!n.converged && !folds && moved > 0.0 && !model.contact() && !model.dofs().has_bodies())
+    n = let_go(newton, model, start, state.u);
   r.newton_iterations = n.iterations;
   r.factorisations = n.factorisations;
   state.in_equilibrium = n.converged;
   if (n.converged) model.potential().end_step(state.u);
   if (n.converged) return r;
   r.outcome = Outcome::failed;
-  r.reason = "no equilibrium found near the start: " + n.reason;
+  r.reason = "no equilibrium found near the start: " + n.reason +
+             "; where loads or supports have gone, let a stage of \"drape\" find it, or take them away in steps";
   return r;
 }
 

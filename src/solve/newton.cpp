@@ -272,7 +272,7 @@ long Newton::negative_eigenvalues(Vec a) {
   request.exact_contact = true;
   n.model.assemble_tangent(a, request);
   n.linear.tangent_changed();
-  return n.linear.factorise() ? n.linear.negative_eigenvalues() : -1;
+  return n.linear.factorise() ? n.linear.certain_negative_eigenvalues() : -1;
 }
 
 NewtonResult Newton::linear_step(Vec a) {

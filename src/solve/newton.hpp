@@ -51,7 +51,7 @@ class Newton {
   void start_friction(Vec a);
   /// Solves again with friction that fits the state, until it does; `solve` is step or continuation. Collective.
   [[nodiscard]] NewtonResult settle_friction(Vec a, NewtonResult first, const std::function<NewtonResult()>& solve);
-  /// Negative eigenvalues of the exact tangent at `a` (linear::LinearSolver::negative_eigenvalues). Collective.
+  /// Negative eigenvalues of the exact tangent at `a` (linear::LinearSolver::certain_negative_eigenvalues). Collective.
   [[nodiscard]] long negative_eigenvalues(Vec a);
   /// One linear solution K(a) da = -r(a): small deflections from the state `a`. Collective.
   [[nodiscard]] NewtonResult linear_step(Vec a);

@@ -57,6 +57,8 @@ class BoundaryConditions {
   void set_time(double time);
   /// Forces from outside, f_e, in the unknowns; null: none. Not collective. [N]
   void set_external(petsc::VecHandle force);
+  /// Those in force, which then are none. Not collective. [N]
+  [[nodiscard]] petsc::VecHandle take_external() { return std::exchange(external_, {}); }
   [[nodiscard]] bool has_external() const { return static_cast<bool>(external_); }
   /// Adds f_e times a factor, also what of it acts on rigid bodies, where they are at the state taken last. Collective.
   void add_external(double factor, Vec f) const;

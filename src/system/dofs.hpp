@@ -87,6 +87,7 @@ class Dofs {
   void add_forces(std::vector<Vec3>& force, Vec f) const;
 
   // Rigid bodies, at the state that update_points() took last
+  [[nodiscard]] bool has_bodies() const { return !bodies_.empty(); }
   /// Number of the body that a vertex of the mesh belongs to, or no_index.
   [[nodiscard]] Index body_of(Index v) const { return bodies_.empty() ? no_index : body_of_[v]; }
   /// Whether a vertex of the mesh has no unknowns of its own: it belongs to a body or repeats another one.

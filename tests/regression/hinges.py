@@ -61,6 +61,26 @@ def hinge_fold(report):
     report.below(max(abs(float(line.split(",")[column]) - 1) for line in last[1:]), 1e-6, "it stays folded in a second stage")
 
 
+@test
+def hinge_let_go(report):
+    """A soft fold that its load has bent far goes back when a stage takes it away; a sheet that only hangs on its hinge stays where nothing acts."""
+    mesh = strip(OUT / "hinge_let_go.msh")
+    bent = strip_case(mesh, stiffness=0.5)
+    del bent["analysis"]
+    bent |= {"material": [SHEET | {"young": 1e9, "thickness": 0.01}], "stage": [{"name": "load", "analysis": "static"}, {"name": "free", "analysis": "static"}],
+             "load": [{"type": "gravity", "vector": [0, 0, -0.3], "stages": ["load"]}]}
+    done = solve("hinge_let_go", bent)
+    rows = [line.split(",") for line in (OUT / "hinge_let_go/free/history.csv").read_text().splitlines()]
+    report.below(abs(float(rows[-1][rows[0].index("corner_z")])), 1e-9, "flat again [m]")
+    report.check("of round-off" in done.text, "without forces the residual is not one of the forces")
+    hangs = strip_case(mesh)
+    del hangs["hinge"]
+    hangs["support"] = [{"type": "hinged", "group": "held start"}]
+    for analysis, more in (("static", {}), ("drape", {"contact": {"distance": 0.01}, "obstacle": [{"name": "floor", "type": "plane", "point": [0, 0, -0.5], "normal": [0, 0, 1]}]})):
+        done = solve("hinge_nothing", hangs | {"analysis": analysis} | more)
+        report.below(abs(done.history["corner_z"][-1]), 1e-9, f"{analysis}: nothing acts on a hanging sheet [m]")
+
+
 def turned(v, axis, angle):
     """v, turned about a unit axis."""
     return v * math.cos(angle) + np.cross(axis, v) * math.sin(angle) + axis * np.dot(axis, v) * (1 - math.cos(angle))

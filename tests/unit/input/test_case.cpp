@@ -318,6 +318,16 @@ TEST_CASE("a section of which only --set gives a key is there") {
   CHECK(input::parse_case(motion, "case.toml", {"remesh.smallest=0.1"}).remesh.active);
 }
 
+TEST_CASE("--set says where a stage has a value of its own") {
+  const std::string staged =
+      minimal + "[[stage]]\nname = \"fall\"\nanalysis = \"dynamic\"\n[stage.time]\nstep = 0.01\n";
+  CHECK_THROWS_WITH_AS((void)input::parse_case(staged, "case.toml", {"time.step=0.005"}),
+                       doctest::Contains("stage 'fall' has its own value, which would stay; set stage.0.time.step"),
+                       UserError);
+  (void)input::parse_case(staged, "case.toml", {"stage.0.time.step=0.005"});
+  (void)input::parse_case(staged, "case.toml", {"time.end=0.5"});
+}
+
 TEST_CASE("probes and loads need what they observe or act on") {
   CHECK(has(error_after("name = \"pull\"", "name = \"tip\""), "probe.name: 'tip': another probe has this name"));
   CHECK(has(error_after("name = \"pull\"", "name = \"a,b\""), "must not contain commas"));
