@@ -17,17 +17,24 @@ from pathlib import Path
 from typing import Any
 
 
+# Keys of sections that name files.
+FILES = {"mesh": ("file", "start"), "panel": ("file",), "material": ("fabric", "interlining"), "imperfection": ("results",),
+         "obstacle": ("file", "landmarks", "frames"), "remesh": ("background",)}
+
+
 class Case(dict[str, Any]):
     """A case as its sections and keys, which docs/reference/case.md lists. File names are relative to the folder it is
     written to, or absolute."""
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Case:
-        """A case file, with the mesh file made absolute."""
+        """A case file, with the names of files made absolute, so that it can be written elsewhere."""
         with open(path, "rb") as file:
             case = cls(tomllib.load(file))
-        if "file" in case.get("mesh", {}):
-            case["mesh"]["file"] = str((Path(path).parent / case["mesh"]["file"]).resolve())
+        folder = Path(path).parent.resolve()
+        _make_absolute(case, folder)
+        for stage in case.get("stage", []):
+            _make_absolute(stage, folder)
         return case
 
     @classmethod
@@ -73,6 +80,17 @@ class Case(dict[str, Any]):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(self.to_toml())
         return path
+
+
+def _make_absolute(sections: Mapping[str, Any], folder: Path) -> None:
+    for name, keys in FILES.items():
+        entries = sections.get(name, [])
+        for entry in entries if isinstance(entries, list) else [entries]:
+            for key in keys:
+                text = entry.get(key)
+                # A fabric may be one that is shipped; frames may be a pattern of names.
+                if isinstance(text, str) and (key != "fabric" and key != "interlining" or (folder / text).exists()):
+                    entry[key] = str(folder / text)
 
 
 def _is_section(value: Any) -> bool:

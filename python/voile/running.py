@@ -45,29 +45,36 @@ def environment(ranks: int = 2) -> dict[str, str]:
 class Run:
     """What one run left: exit code, text, seconds and the files of its output folder (read when asked for)."""
 
-    def __init__(self, folder: str | os.PathLike[str], code: int, text: str, wall: float) -> None:
-        self.folder, self.code, self.text, self.wall = Path(folder), code, text, wall
+    def __init__(self, folder: str | os.PathLike[str], code: int, text: str, wall: float, begin: float = 0.0) -> None:
+        self.folder, self.code, self.text, self.wall, self.begin = Path(folder), code, text, wall, begin
+
+    def _own(self, name: str) -> Path:
+        """A file of the folder, if this run wrote it: one that was refused leaves what an earlier one did."""
+        file = self.folder / name
+        if self.code == 2 and file.is_file() and file.stat().st_mtime < self.begin - 0.05:
+            raise FileNotFoundError(f"{file} is of an earlier run; this one was refused: {self.text.strip()[-300:]}")
+        return file
 
     @property
     def history(self) -> History:
-        return History(self.folder / "history.csv")
+        return History(self._own("history.csv"))
 
     @property
     def summary(self) -> dict[str, Any]:
-        summary: dict[str, Any] = json.loads((self.folder / "summary.json").read_text())
+        summary: dict[str, Any] = json.loads(self._own("summary.json").read_text())
         return summary
 
     @property
     def results(self) -> Results:
-        return Results(self.folder)
+        return Results(self._own("results.vtkhdf").parent)
 
     @property
     def modes(self) -> Results:
-        return Results(self.folder / "modes")
+        return Results(self._own("modes/results.vtkhdf").parent)
 
     def stage(self, name: str) -> Run:
         """Of a run in stages."""
-        return Run(self.folder / name, self.code, self.text, self.wall)
+        return Run(self.folder / name, self.code, self.text, self.wall, self.begin)
 
     def check(self) -> Run:
         """Itself; RuntimeError with the last lines that the program wrote unless it has converged."""
@@ -88,4 +95,4 @@ def run(case: Mapping[str, Any] | str | os.PathLike[str], output: str | os.PathL
     begin = time.time()
     done = subprocess.run([str(w) for w in words], env=environment(ranks), text=True, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, timeout=timeout)
-    return Run(output, done.returncode, done.stdout, time.time() - begin)
+    return Run(output, done.returncode, done.stdout, time.time() - begin, begin)

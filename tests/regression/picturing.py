@@ -386,6 +386,19 @@ def python_package(report):
     except RuntimeError as error:
         report.check(bad.code == 2 and "voile: error" in str(error), "check() says what the program said")
 
+    refused = run_python(strip("dynamic", time__end=-1.0), OUT / "python_strip")
+    try:
+        report.check(refused.summary["converged"] is None, "what an earlier run left is not of the one that was refused")
+    except FileNotFoundError as error:
+        report.check(refused.code == 2 and "of an earlier run" in str(error), "what an earlier run left is not of the one that was refused")
+    there = fresh("python_files")
+    Case({"mesh": {"file": "m.msh"}, "material": [{"fabric": "cotton_broad"}, {"fabric": "own.toml"}], "obstacle": [{"file": "box.obj"}, {"name": "plane"}],
+          "stage": [{"name": "a", "remesh": {"background": "b.pos"}}]}).write(there / "case.toml")
+    (there / "own.toml").touch()
+    moved, at = Case.read(there / "case.toml"), str(there.resolve())
+    report.check([moved["mesh"]["file"], *(m["fabric"] for m in moved["material"]), moved["obstacle"][0]["file"], moved["stage"][0]["remesh"]["background"]] ==
+                 [f"{at}/m.msh", "cotton_broad", f"{at}/own.toml", f"{at}/box.obj", f"{at}/b.pos"], "names of files become absolute, those of shipped fabrics stay")
+
     staged = fresh("python_stages")
     shutil.copytree(OUT / "python_strip", staged / "first")
     try:
