@@ -49,9 +49,11 @@ bool varies(const Case& c) {
   return std::any_of(c.loads.begin(), c.loads.end(), [](const auto& f) { return !f.constant && !f.history; }) ||
          std::any_of(c.temperatures.begin(), c.temperatures.end(), [](const auto& t) { return !t.constant; }) ||
          std::any_of(c.hinges.begin(), c.hinges.end(), [](const auto& f) { return f.angle.value && !f.constant; }) ||
-         std::any_of(c.rigids.begin(), c.rigids.end(), [](const RigidSection& r) {
-           return r.group.force.squaredNorm() + r.group.moment.squaredNorm() > 0.0;
-         });
+         std::any_of(
+             c.rigids.begin(), c.rigids.end(),
+             [](const RigidSection& r) { return r.group.force.squaredNorm() + r.group.moment.squaredNorm() > 0.0; }) ||
+         std::any_of(c.periodics.begin(), c.periodics.end(),
+                     [](const PeriodicSection& s) { return !s.pair.force.isZero(0.0); });
 }
 
 void check_excitation(const SectionPlace& place, const Case& c) {

@@ -139,7 +139,7 @@ const std::vector<SectionInfo>& sections() {
       {"periodic", true,
        "Pairs of boundary curves along which the sheet repeats itself: see [one cell of a periodic "
        "sheet](../howto/repeat-a-cell.md). Not with contact, stages, panels, springs, masses, hinges, "
-       "rigid groups, gases, `[remesh]`, `[form]`, `buckling` or `harmonic`."},
+       "rigid groups, gases, `[remesh]` or `[form]`."},
       {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
       {"temperature", true,
        "Changes of temperature from that at which the sheet has its rest shape; where groups overlap they add up. Each "

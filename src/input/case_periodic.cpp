@@ -118,9 +118,6 @@ void check_periodic(const Case& c) {
     throw UserError(fmt::format("{}: [[periodic]] and {}: {}", c.file.string(), key, why));
   };
   refuse_sections(c, refuse);
-  if (c.analysis == Analysis::buckling || c.analysis == Analysis::harmonic)
-    refuse(fmt::format("analysis = \"{}\"", word_of(c.analysis)).c_str(),
-           "use static, drape, linear, modal or dynamic");
   for (const PeriodicSection& s : c.periodics)
     for (const char* part : {"", "_force"})
       for (const Probe& probe : c.probes)

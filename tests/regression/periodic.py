@@ -129,6 +129,45 @@ def periodic_modes(report):
 
 
 @test
+def periodic_buckling(report):
+    """An endless plate on two simple supports, compressed along them: N = 4 pi^2 D/b^2, by a force or by a shortening, on one, two and three ranks."""
+    length, width = 1.0, 2.0  # two half waves
+    thin = PLATE | {"thickness": 0.01}
+    critical = 4 * math.pi**2 * YOUNG * 0.01**3 / (12 * (1 - POISSON**2)) / length**2
+    held = [{"type": "displacement", "group": "plate start", "components": ["x", "z"]}, {"type": "displacement", "group": "plate end", "components": ["z"]},
+            {"type": "hinged", "group": "corner"}]
+    short = critical / (YOUNG * 0.01) * width
+    for name, pair, unit in (("force", {"difference": [0, "free", 0], "force": [0, -1, 0]}, critical * length), ("shortening", {"difference": [0, -short, 0]}, 1.0)):
+        for n, ranks, off in ((16, 1, 0.02), (32, 2, 0.005), (32, 3, 0.005)):
+            case = cell("periodic_buckling", "buckling", n, 2 * n, length, width, across=pair, material=thin) | {"support": held, "eigen": {"modes": 2}}
+            case["periodic"] = case["periodic"][1:]
+            found = solve("periodic_buckling", case, ranks).summary["eigenvalues"]
+            report.percent(found[0] / unit, off, f"by a {name}, {n} cells, {ranks} ranks")
+            report.below(found[1] / found[0] - 1, 1e-3, "the wave may stand anywhere: twice the same")
+
+
+@test
+def periodic_vibration(report):
+    """The frequency response of a wide strip by one cell: both methods agree, also where the difference is free, and the slowest is the static one."""
+    start, end = "plate start", "plate end"
+    bent = {"load": [{"type": "line", "group": end, "vector": [0, 0, 1.0]}], "support": [{"type": "clamped", "group": start}]}
+    pulled = {"support": [{"type": "displacement", "group": start, "components": ["x", "z"]}, {"type": "displacement", "group": end, "components": ["z"]},
+                          {"type": "hinged", "group": "corner"}]}
+    for name, pair, more, tip in (("bent", {}, bent, "z"), ("pulled", {"difference": [0, "free", 0], "force": [0, 1, 0]}, pulled, "x")):
+        still = cell("periodic_still", "linear", 20, 4, 10.0, 2.0, across=pair) | more
+        still |= {"periodic": still["periodic"][1:], "probe": [{"name": "tip", "type": "displacement", "group": end, "components": [tip]}]}
+        first = solve("periodic_still", still).history[f"tip_{tip}"][-1]
+        found = {}
+        for method in ("superposition", "direct"):
+            shaken = still | {"analysis": "harmonic", "damping": {"mass": 0.1}, "eigen": {"mass": "consistent"},
+                              "harmonic": {"method": method, "frequencies": [1e-5, 0.01, 0.05, 0.2]}}
+            rows = [line.split(",") for line in (solve("periodic_shaken", shaken, 2).folder / "response.csv").read_text().splitlines()]
+            found[method] = np.array([float(row[rows[0].index(f"tip_{tip}_amplitude")]) for row in rows[1:]])
+        report.below(np.abs(found["superposition"] / found["direct"] - 1).max(), 1e-6, f"{name}: superposition against direct")
+        report.percent(found["direct"][0] / abs(first), 1e-4, f"{name}: slowly as at rest")
+
+
+@test
 def periodic_motion(report):
     """A period of a wide cantilever swings as a beam of E/(1 - nu^2); energy, ranks, and a restart that ends at the same bits."""
     def case(end, periodic, material=PLATE, mass="consistent", **time):
@@ -197,8 +236,6 @@ def periodic_mistakes(report):
         "form": ({"form": {}, "material": [PLATE | {"prestress": [10.0, 10.0]}]}, ("[form]", "remove")),
         "gas": ({"load": [{"type": "gas", "group": "plate", "magnitude": 10.0}]}, ("[[periodic]] and [[load]]", "follower_pressure")),
         "stages": ({"analysis": None, "stage": [{"name": "a", "analysis": "static"}]}, ("[[periodic]] and [[stage]]",)),
-        "buckling": ({"analysis": "buckling"}, ("[[periodic]] and analysis", "static")),
-        "harmonic": ({"analysis": "harmonic", "harmonic": {"from": 1.0, "to": 2.0}, "load": [{"type": "line", "group": "tip", "vector": [0, 0, 1.0]}]}, ("[[periodic]] and analysis", "static")),
         "lumped": ({"analysis": "modal", "eigen": {"mass": "lumped"}} | free, ("eigen.mass", "consistent")),
         "motion": ({"analysis": "dynamic", "time": {"end": 1.0, "step": 0.1}} | free, ("time.mass", "consistent")),
         "name": ({"periodic": [SIDES | {"name": "a,b"}]}, ("periodic.name", "commas")),
