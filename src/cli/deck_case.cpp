@@ -211,7 +211,10 @@ class CaseWriter {
       out_ += components_of(s, mirror, true) + moved_by(s);
       return;
     }
-    if (moves == 3 && turns == 3) {
+    if (moves == 3 && turns == 3 && !has_slopes(group)) {
+      head("hinged");
+      leave_slopes(group);
+    } else if (moves == 3 && turns == 3) {
       head("clamped");
     } else if (moves == 3) {
       head("hinged");
@@ -223,6 +226,18 @@ class CaseWriter {
     if (turns > 0 && !(moves == 3 && turns == 3))
       leave(fmt::format("{} {}: rotations held in part; slopes are held only where 1 to 6 all are", deck_.words.support,
                         group));
+  }
+
+  /// Whether the slope at a group can be held: not at points. Of a set that is made here the run says so.
+  [[nodiscard]] bool has_slopes(const std::string& group) const {
+    const auto is = [&](const mesh::Group& g) { return g.name == group; };
+    return std::none_of(mesh_.groups.begin(), mesh_.groups.end(), is) ||
+           std::any_of(mesh_.groups.begin(), mesh_.groups.end(),
+                       [&](const mesh::Group& g) { return is(g) && g.dimension > 0; });
+  }
+  void leave_slopes(const std::string& group) {
+    leave(fmt::format("{} {}: rotations; no boundary edges connect its nodes, nor triangles, so that it has no slope",
+                      deck_.words.support, group));
   }
 
   /// What is held, with or without the normal of a mirror plane; empty if nothing is.

@@ -328,9 +328,26 @@ class AbaqusReader {
         }
       for (const mesh::Segment& s : edges)
         if (in[s[0]] && in[s[1]]) group.segments.push_back(s);
-      group.dimension = group.segments.empty() ? 0 : 1;
+      for (std::size_t t = 0; t < mesh_.data.triangles.size(); ++t) {
+        const mesh::Triangle& corners = mesh_.data.triangles[t];
+        if (in[corners[0]] && in[corners[1]] && in[corners[2]]) group.triangles.push_back(static_cast<Index>(t));
+      }
+      set_dimension(group);
       mesh_.data.groups.push_back(std::move(group));
     }
+  }
+
+  /// What edges or triangles reach all nodes of a set: who holds the slopes of an area's nodes holds those of the area.
+  void set_dimension(mesh::Group& group) const {
+    std::set<Index> on_edges, in_triangles;
+    for (const mesh::Segment& s : group.segments) on_edges.insert(s.begin(), s.end());
+    for (const Index t : group.triangles)
+      in_triangles.insert(mesh_.data.triangles[static_cast<std::size_t>(t)].begin(),
+                          mesh_.data.triangles[static_cast<std::size_t>(t)].end());
+    const std::size_t all = std::set<Index>(group.vertices.begin(), group.vertices.end()).size();
+    group.dimension = on_edges.size() == all && all > 0 ? 1 : in_triangles.size() == all && all > 0 ? 2 : 0;
+    if (group.dimension != 1) group.segments.clear();
+    if (group.dimension != 2) group.triangles.clear();
   }
 
   static constexpr int most_included = 8;

@@ -233,8 +233,8 @@ void check_time(const SectionPlace& place, Case& c) {
   solve::TimeOptions& o = c.time.options;
   // Contact makes long iterations at every step size: smaller steps would not make them shorter.
   if (c.contact.input.active && !place.has("target_iterations")) o.target_iterations = 25;
-  // With more, what hits something in one step may leave it faster than it came.
-  if (c.contact.input.active && !place.has("spectral_radius")) o.radius = 0.0;
+  // With more, what hits something in one step, or a seam closes, may leave it faster than it came.
+  if ((c.contact.input.active || !c.stage.sew.empty()) && !place.has("spectral_radius")) o.radius = 0.0;
   // Where sides come together on the way does not matter.
   if (!c.stage.sew.empty() && !place.has("velocity_tolerance")) o.velocity_tolerance = sewing_tolerance;
   if (c.contact.input.active && o.method == solve::TimeOptions::Method::central_difference)

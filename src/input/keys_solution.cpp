@@ -105,35 +105,35 @@ namespace {
 
 /// The integrator and its steps.
 std::vector<Key> integration_keys(solve::TimeOptions& o) {
-  return {{.name = "method",
-           .slot = choice(o.method, {{"alpha", solve::TimeOptions::Method::implicit_alpha},
-                                     {"central_difference", solve::TimeOptions::Method::central_difference}}),
-           .meaning =
-               "`alpha`: implicit generalised-alpha. `central_difference`: explicit, steps below the stability limit."},
-          {.name = "end", .slot = &o.end_time, .meaning = "End of the run.", .unit = "s", .range = positive},
-          {.name = "step", .slot = &o.step, .meaning = "Size of the first step.", .unit = "s", .range = positive},
-          {.name = "min_step",
-           .slot = &o.min_step,
-           .meaning = "A step that fails at this size ends the run with exit code 3. 0: a thousandth of `step`.",
-           .unit = "s",
-           .range = not_negative},
-          {.name = "max_step",
-           .slot = &o.max_step,
-           .meaning = "Largest step. 0: `step`.",
-           .unit = "s",
-           .range = not_negative},
-          {.name = "step_error",
-           .slot = &o.step_error,
-           .meaning = "Largest local error of any displacement in a step, which then sets the step. 0: not controlled.",
-           .unit = "m",
-           .range = not_negative},
-          {.name = "spectral_radius",
-           .slot = &o.radius,
-           .meaning =
-               "Spectral radius at infinite frequency: 1 no numerical dissipation, 0 the most. With contact 0 if "
-               "this key is "
-               "not given: what hits something in one step can leave it with 1 + 2 `spectral_radius` times its speed.",
-           .range = {0, 1}}};
+  return {
+      {.name = "method",
+       .slot = choice(o.method, {{"alpha", solve::TimeOptions::Method::implicit_alpha},
+                                 {"central_difference", solve::TimeOptions::Method::central_difference}}),
+       .meaning =
+           "`alpha`: implicit generalised-alpha. `central_difference`: explicit, steps below the stability limit."},
+      {.name = "end", .slot = &o.end_time, .meaning = "End of the run.", .unit = "s", .range = positive},
+      {.name = "step", .slot = &o.step, .meaning = "Size of the first step.", .unit = "s", .range = positive},
+      {.name = "min_step",
+       .slot = &o.min_step,
+       .meaning = "A step that fails at this size ends the run with exit code 3. 0: a thousandth of `step`.",
+       .unit = "s",
+       .range = not_negative},
+      {.name = "max_step",
+       .slot = &o.max_step,
+       .meaning = "Largest step. 0: `step`.",
+       .unit = "s",
+       .range = not_negative},
+      {.name = "step_error",
+       .slot = &o.step_error,
+       .meaning = "Largest local error of any displacement in a step, which then sets the step. 0: not controlled.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "spectral_radius",
+       .slot = &o.radius,
+       .meaning = "Spectral radius at infinite frequency: 1 no numerical dissipation, 0 the most. With contact, and "
+                  "where a stage sews, 0 if this key is not given: what hits something in one step can leave it with 1 "
+                  "+ 2 `spectral_radius` times its speed.",
+       .range = {0, 1}}};
 }
 
 /// What ends a step, what moves, what is kept.

@@ -37,14 +37,19 @@ std::string balance_text(const system::EnergyBalance& b, double round_off) {
   return text + fmt::format(" ({})", percent_text(amiss / all));
 }
 
+std::string creation_warning(const system::EnergyBalance& b, double round_off) {
+  const double all = b.turnover(), gained = b.created;
+  if (gained <= std::max(round_off, much * all)) return "";
+  return fmt::format(
+      "the time stepping has created {:.3g} J, {} of the energy that came in: speeds or stiffnesses are beyond what "
+      "steps of this size resolve; use a smaller time.step (history: numerical_loss)",
+      gained, percent_text(gained / all));
+}
+
 std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOptions& options, double round_off) {
   const double all = b.turnover(), gained = b.created;
   if (std::max({gained, -b.damping, std::abs(b.unaccounted)}) <= round_off) return "";
-  if (gained > much * all && gained > std::abs(b.unaccounted))
-    return fmt::format(
-        "the time stepping has created {:.3g} J, {} of the energy that came in: speeds or stiffnesses are beyond "
-        "what steps of this size resolve; use a smaller time.step (history: numerical_loss)",
-        gained, percent_text(gained / all));
+  if (std::string text = creation_warning(b, round_off); !text.empty() && gained > std::abs(b.unaccounted)) return text;
   if (-b.damping > much * all)
     return fmt::format(
         "damping has given {:.3g} J instead of taking it, {} of the energy that came in: steps are long against "

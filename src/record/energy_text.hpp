@@ -26,6 +26,8 @@ struct KineticEnergy {
 /// What to do if much of the energy is not accounted for, else empty. `round_off`: energy that is none [J].
 [[nodiscard]] std::string balance_warning(const system::EnergyBalance& balance, const solve::TimeOptions& options,
                                           double round_off = 0.0);
+/// The same where the time stepping has created energy.
+[[nodiscard]] std::string creation_warning(const system::EnergyBalance& balance, double round_off);
 [[nodiscard]] std::string rest_text(const KineticEnergy& kinetic);
 
 }  // namespace voile::record

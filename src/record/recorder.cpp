@@ -229,8 +229,11 @@ void Recorder::write_step(const system::State& state, const solve::StepResult& r
   if (case_.analysis == input::Analysis::statics) step.path = system::path_record(state.next_step, state.path);
   if (r.mode)
     step.fields.push_back({"critical_mode", "1", results::Centre::vertex, 3, model_->dofs().gather_change(r.mode)});
-  write_or_keep(state.step % case_.output.every == 0 || whole || r.mode || s.intersections > 0, std::move(step),
-                state.u, motion_of(state), s);
+  const std::vector<double>& stops = case_.steps.stops;
+  const auto is_here = [&](double stop) { return std::abs(stop - state.load_factor) <= 1e-12 * std::max(1.0, stop); };
+  const bool due =
+      state.step % case_.output.every == 0 || (!dynamics_ && std::any_of(stops.begin(), stops.end(), is_here));
+  write_or_keep(due || whole || r.mode || s.intersections > 0, std::move(step), state.u, motion_of(state), s);
 }
 
 void Recorder::write_or_keep(bool write, results::StepFields step, Vec position, const Motion& motion,

@@ -166,9 +166,10 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
   mpi::on_root(options.comm, [&] {
     if (!folder.empty()) write_summary(options.output, s);
     if (options.verbosity != Verbosity::quiet) print_end(c, folder, s);
-    // Stages that sew pull things into their place; what that takes is not looked at.
-    if (const std::string text = balance_warning(s.balance, c.time.options, s.round_off_energy);
-        s.balance.kept && c.stage.sew.empty() && !text.empty())
+    // Stages that sew pull things into their place; what that takes is not looked at, but nothing may come from nowhere.
+    if (const std::string text = c.stage.sew.empty() ? balance_warning(s.balance, c.time.options, s.round_off_energy)
+                                                     : creation_warning(s.balance, s.round_off_energy);
+        s.balance.kept && !text.empty())
       fmt::print(stderr, "voile: warning: {}\n", text);
     if (s.unstable)
       fmt::print(

@@ -217,6 +217,15 @@ def data_x(result):
 
 
 @test
+def stops_are_recorded(report):
+    """Fields are there at every stop of a path and at its end, however seldom they are written."""
+    case = strip(steps={"initial_step": 0.02, "max_step": 0.02, "stops": [0.05, 0.11], "final_load_factor": 0.15}, output={"fields": ["displacement"], "every": 100})
+    case.pop("time")
+    found = [round(step.load_factor, 9) for step in solve("stops_recorded", case).results]
+    report.check(found == [0.0, 0.05, 0.11, 0.15], f"load factors {found}")
+
+
+@test
 def springs_and_masses(report):
     """A plate strip on springs sinks by force / stiffness; a point mass at the tip lowers the frequency as beam theory says."""
     length, width, pressure, k = 10.0, 1.0, 3.0, 50.0
