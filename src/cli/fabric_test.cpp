@@ -186,6 +186,10 @@ Exit test_fabric(const TestedFabric& t) {
       });
   if (t.fabric.shear_hysteresis && !t.fabric.curves[2])
     all.run([&] { sheet += record_text(t, "shear.csv", shear_record(t), "shear_loop", "\"deg\", \"N/m\""); });
+  if (t.fabric.shear_hysteresis && t.fabric.curves[2])
+    fmt::print(stderr,
+               "voile: warning: shear loop: left out; the file has a shear_curve, and a loop is read by one stiffness "
+               "(give shear_curve and the figures of friction to voile fit yourself)\n");
   write(t.folder / "sheet.toml", sheet);
   print_loops(t, fit::read_sheet(t.folder / "sheet.toml"));
   fmt::print("sheet for voile fit{}: {}\n", all.failed() ? ", without what has failed" : "",

@@ -88,8 +88,9 @@ type = "gravity"
 vector = [-9.80665, 0, 0]
 )case";
 constexpr const char* three_quarters = "table(t, 0, 1e-6, 0.3, 1.5*pi, 1, 1.5*pi)";
-/// w L^3/D of the strip with the mean of both rigidities, with which its height tells most; its width over its length.
-constexpr double loop_load = 250.0, loop_slenderness = 0.025;
+/// w L^3/D of the strip with the mean of both rigidities, with which its height tells most; its width over its length. One that bends
+/// across as it bends along has the width of laboratories: a narrow one would bend as a beam, by D (1 - nu^2).
+constexpr double loop_load = 250.0, loop_slenderness = 0.025, loop_width = 0.025;
 
 constexpr const char* bent = R"case([steps]
 initial_step = 0.02
@@ -218,11 +219,12 @@ double heart_loop_length(const TestedFabric& t) {
 }
 
 HeartLoop heart_loop(const TestedFabric& t, int angle) {
-  const double length = heart_loop_length(t), half = 0.5 * length;
+  const double length = heart_loop_length(t), half = 0.5 * length, narrow = loop_slenderness * length,
+               width = t.fabric.bending_poisson == 0.0 ? narrow : std::max(narrow, loop_width);
+  const int across = std::clamp(static_cast<int>(std::lround(25.0 * width / half)), 3, 24);
   const std::string text =
       head_of(t, "Heart loop", "cantilever.geo",
-              fmt::format("length = {:.9g}, width = {:.9g}, nx = 100, ny = 3", half, loop_slenderness * length), angle,
-              false) +
+              fmt::format("length = {:.9g}, width = {:.9g}, nx = 100, ny = {}", half, width, across), angle, false) +
       fmt::format(looped, half, three_quarters);
   const Columns h = run_instrument(t, fmt::format("heart_loop_{}", angle), text, {"bottom_x"});
   return {length, -(half + h[0].back())};

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 
 #include "base/mpi.hpp"
 #include "constraints.hpp"
@@ -197,6 +198,32 @@ std::vector<mesh::MirrorSide> continued_mirrors(const mesh::ContinuedSurface& sh
   return all;
 }
 
+namespace {
+
+/// Takes what supports carry out of the forces on differences: each repetition of a vertex has an equal part of its reaction.
+void leave_reactions(const Discretisation& on, const petsc::ReadArray& force, std::vector<double>& all) {
+  const Constraints& constraints = on.constraints();
+  const Ties& ties = constraints.ties;
+  std::map<Index, std::vector<Index>> repetitions;
+  for (Index v = 0; v < on.mesh().vertex_count(); ++v)
+    if (ties.is_tied(v)) repetitions[ties.root(v)].push_back(v);
+  for (const auto& [root, tied] : repetitions) {
+    const auto support = constraints.vertices.find(root);
+    const Index at = on.owned(root);
+    if (at == no_index || support == constraints.vertices.end()) continue;
+    Vec3 reaction = Vec3::Zero();
+    for (Index k = 0; k < 3; ++k)
+      if (support->second.fixed[static_cast<std::size_t>(k)]) reaction[k] = force[3 * at + k];
+    reaction = on.dofs().to_global(root, reaction) / static_cast<double>(tied.size() + 1);
+    for (const Index v : tied)
+      for (std::size_t i = 0; i < ties.carriers.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+          all[6 * i + 3 + k] -= ties.periods(v, i) * reaction[static_cast<Eigen::Index>(k)];
+  }
+}
+
+}  // namespace
+
 std::vector<double> periodic_values(const Discretisation& on, Vec a, Vec f) {
   const std::vector<Index>& carriers = on.constraints().ties.carriers;
   std::vector<double> all(6 * carriers.size(), 0.0);
@@ -208,6 +235,7 @@ std::vector<double> periodic_values(const Discretisation& on, Vec a, Vec f) {
           all[6 * i + k] = difference[3 * at + static_cast<Index>(k)];
           all[6 * i + 3 + k] = force[3 * at + static_cast<Index>(k)];
         }
+    leave_reactions(on, force, all);
   }
   mpi::sum_to_root(on.comm(), all);
   return all;
