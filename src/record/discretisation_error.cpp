@@ -119,7 +119,7 @@ JudgedEnergy judged_energy(const energy::Sheet& sheet, const system::TriangleFie
     from_rest.bending += whole_bending - bending;
     from_rest.whole += 0.5 * area * e.dot(m.membrane * e - m.coupling * k) - stretching + whole_bending - bending;
   }
-  const auto judged = [](double with, double without) { return std::min(with, std::max(without, least * with)); };
+  const auto judged = [](double with, double without) { return std::max(without, least * with); };
   return {judged(stored.whole, from_rest.whole), judged(stored.bending, from_rest.bending)};
 }
 

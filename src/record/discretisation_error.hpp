@@ -25,8 +25,9 @@ enum class FieldsOf { state, change };
 [[nodiscard]] double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& fields,
                                    FieldsOf what = FieldsOf::state);
 
-/// What errors of a state are compared with [J]: W, and that of bending in it. Of a sheet that is heated and held most of the
-/// stored energy is of stresses that any mesh has right, and says nothing of its deflections. Likewise.
+/// What errors of a state are compared with [J]: W, and that of bending in it. Of a sheet that is heated it is that of the strains
+/// from rest: held, most of the stored energy is of stresses that any mesh has right; free, there is none.
+/// Likewise.
 struct JudgedEnergy {
   double whole = 0.0, bending = 0.0;
 };

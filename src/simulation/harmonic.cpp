@@ -66,7 +66,7 @@ void check_modes(const input::Case& c, const system::Model& model, const std::ve
         c.file.string(), modes.front().value));
   if (last < highest)
     throw UserError(
-        fmt::format("{}: eigen.modes: {} modes reach {:.4g} Hz, but the response is wanted up to {:.4g} "
+        fmt::format("{}: eigen.modes (or -eps_nev): {} modes reach {:.4g} Hz, but the response is wanted up to {:.4g} "
                     "Hz; raise it, or remove the key",
                     c.file.string(), modes.size(), last, highest));
 }

@@ -160,6 +160,7 @@ VibrationModes find_vibration(const input::Case& c, system::Model& model, Vec a)
   for (int count = first_modes;; count *= 2) {
     found.result = solve::vibration_modes(model, a, count, found.mass.mat());
     const std::vector<solve::Mode>& modes = found.result.modes;
+    if (found.result.asked_for != count) return found;  // by -eps_nev
     if (static_cast<int>(modes.size()) < found.result.asked_for || modes.back().value >= needed) return found;
     if (SignalScope::stop_asked(model.dofs().comm())) return found;
     if (count >= most_modes)

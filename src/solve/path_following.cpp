@@ -47,8 +47,8 @@ void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
   tangent = tangent_at(state.u);
   if (!tangent.good)
     throw UserError(
-        "the tangent at the start of the path is singular or the load does nothing; check supports and loads, or run "
-        "`voile check`");
+        "the tangent at the start of the path is singular, the linear solver does not solve it, or the load does "
+        "nothing; check supports, loads and options -ksp_ and -pc_, or run `voile check`");
   VOILE_PETSC(VecCopy(load_solution, tangent_solution));
   constexpr double noise = 1e-10;  // of the largest displacement
   double largest = 0.0;
@@ -63,6 +63,10 @@ void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
   length = (state.next_step > 0.0 ? std::min(state.next_step, options.max_step) : options.initial_step) * unit;
   doubted = memory.doubted;
   may_branch = options.at_critical_point == AtCriticalPoint::switch_branch && !memory.has_branched;
+  if (remark && may_branch && tangent.negative_pivots > 0)
+    remark(
+        "the start is beyond a critical point, so that the path does not leave its branch there: begin at an earlier "
+        "step");
   if (remark && !state.previous && options.final_displacement != 0.0 &&
       (options.final_displacement - probed(accepted)) * probed(load_solution) < 0.0)
     remark(options.control == Control::arc_length

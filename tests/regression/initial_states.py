@@ -1,6 +1,7 @@
 """Temperature, initial strain, prestress and imperfections against closed forms; ranks, restart, stages, remeshing, mistakes."""
 
 import math
+import re
 
 import numpy as np
 from common import fresh, plate, strip
@@ -359,7 +360,7 @@ def linear_without_stress(report):
                    "probe": [{"name": "centre", "type": "displacement", "point": [0.1, 0.05, 0]}]}}
     for name, case in cases.items():
         done = solve(f"stressless_{name}", case)
-        report.check("warning" not in done.text and "the energy is off by 0 %" in done.text, f"{name}: {done.text.strip()[-150:]}")
+        report.check("warning" not in done.text and re.search("the energy is off by (0 %|less than 0.01 %)", done.text), f"{name}: {done.text.strip()[-150:]}")
     # Curvature by classical laminate theory: 0.05115538 per kelvin along x, less that along y.
     exact = -20 * 0.05115538 / 2 * (0.1**2 - 0.05**2)
     report.percent(done.history["centre_z"][-1] / exact, 1e-6, "the saddle at its centre")
