@@ -112,6 +112,40 @@ TEST_CASE("each stage is a case with its own tables, without what does not hold 
   CHECK(again.mesh.file == c.mesh.file);
 }
 
+TEST_CASE("a stage that sews loses what a seam brings to a stop, as contact does") {
+  const std::string sewn = R"([[panel]]
+file = "a.svg"
+size = 0.01
+[[seam]]
+name = "side"
+edges = ["a/0"]
+to = ["a/2"]
+[[material]]
+type = "isotropic"
+young = 1e6
+poisson = 0.3
+thickness = 1e-3
+density = 400
+[[stage]]
+name = "sew"
+analysis = "dynamic"
+sew = ["all"]
+[stage.time]
+end = 1
+[[stage]]
+name = "swing"
+analysis = "dynamic"
+[stage.time]
+end = 2
+)";
+  const input::Case c = input::parse_case(sewn, "dir/case.toml");
+  CHECK(c.stages.at(0).time.options.radius == 0.0);
+  CHECK(c.stages.at(1).time.options.radius == 0.5);
+  CHECK(
+      input::parse_case(sewn, "dir/case.toml", {"stage.0.time.spectral_radius=0.5"}).stages.at(0).time.options.radius ==
+      0.5);
+}
+
 TEST_CASE("mistakes in stages name file, line and remedy") {
   CHECK(has(error_of(with("stages = [\"rest\"]", "stages = [\"ret\"]")),
             "dir/case.toml:25: load.stages: there is no stage 'ret'"));
