@@ -333,8 +333,22 @@ class AbaqusReader {
         if (in[corners[0]] && in[corners[1]] && in[corners[2]]) group.triangles.push_back(static_cast<Index>(t));
       }
       set_dimension(group);
-      mesh_.data.groups.push_back(std::move(group));
+      if (group.dimension != 2 || !is_element_set(group)) mesh_.data.groups.push_back(std::move(group));
     }
+  }
+
+  /// Whether an area of nodes is that of elements whose set has its name, as preprocessors write both. One of other nodes becomes
+  /// points, which that name may have too.
+  [[nodiscard]] bool is_element_set(mesh::Group& group) const {
+    const auto same = std::find_if(mesh_.data.groups.begin(), mesh_.data.groups.end(),
+                                   [&](const mesh::Group& g) { return g.name == group.name && g.dimension == 2; });
+    if (same == mesh_.data.groups.end()) return false;
+    if (std::set<Index>(same->vertices.begin(), same->vertices.end()) ==
+        std::set<Index>(group.vertices.begin(), group.vertices.end()))
+      return true;
+    group.dimension = 0;
+    group.triangles.clear();
+    return false;
   }
 
   /// What edges or triangles reach all nodes of a set: who holds the slopes of an area's nodes holds those of the area.
