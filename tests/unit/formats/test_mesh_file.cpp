@@ -95,7 +95,7 @@ TEST_CASE("groups of OBJ, Abaqus and VTK") {
   CHECK(inp.group("BOTH", 2).triangles.size() == 18);
   CHECK(inp.group("LEFT", 1).segments.size() == 3);
   CHECK(inp.group("CORNERS", 0).vertices == std::vector<Index>{0, 3, 12, 15});
-  CHECK(inp.group("ALL", 1).vertices.size() == 16);
+  CHECK(inp.group("ALL", 2).vertices.size() == 16);
 
   const mesh::SurfaceMesh vtk(formats::read_mesh(seeds + "square.vtk", {}));
   CHECK(vtk.group("group-1", 2).triangles.size() == 9);
