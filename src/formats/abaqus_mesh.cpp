@@ -318,6 +318,8 @@ class AbaqusReader {
         if (!group->vertices.empty()) mesh_.data.groups.push_back(std::move(*group));
     }
     const std::vector<mesh::Segment> edges = boundary_edges(mesh_.data.triangles);
+    std::set<Index> border;
+    for (const mesh::Segment& s : edges) border.insert(s.begin(), s.end());
     for (const auto& [name, members] : node_sets_) {
       std::vector<char> in(mesh_.data.positions.size(), 0);
       mesh::Group group{name, 0, {}, {}, {}};
@@ -332,7 +334,7 @@ class AbaqusReader {
         const mesh::Triangle& corners = mesh_.data.triangles[t];
         if (in[corners[0]] && in[corners[1]] && in[corners[2]]) group.triangles.push_back(static_cast<Index>(t));
       }
-      set_dimension(group);
+      set_dimension(group, border);
       if (group.dimension != 2 || !is_element_set(group)) mesh_.data.groups.push_back(std::move(group));
     }
   }
@@ -351,15 +353,16 @@ class AbaqusReader {
     return false;
   }
 
-  /// What edges or triangles reach all nodes of a set: who holds the slopes of an area's nodes holds those of the area.
-  void set_dimension(mesh::Group& group) const {
-    std::set<Index> on_edges, in_triangles;
-    for (const mesh::Segment& s : group.segments) on_edges.insert(s.begin(), s.end());
+  /// An area where its triangles have all nodes: who holds slopes holds those of the area. A curve where all are on the border,
+  /// else points.
+  void set_dimension(mesh::Group& group, const std::set<Index>& border) const {
+    std::set<Index> covered;
     for (const Index t : group.triangles)
-      in_triangles.insert(mesh_.data.triangles[static_cast<std::size_t>(t)].begin(),
-                          mesh_.data.triangles[static_cast<std::size_t>(t)].end());
-    const std::size_t all = std::set<Index>(group.vertices.begin(), group.vertices.end()).size();
-    group.dimension = on_edges.size() == all && all > 0 ? 1 : in_triangles.size() == all && all > 0 ? 2 : 0;
+      covered.insert(mesh_.data.triangles[static_cast<std::size_t>(t)].begin(),
+                     mesh_.data.triangles[static_cast<std::size_t>(t)].end());
+    const std::set<Index> all(group.vertices.begin(), group.vertices.end());
+    const bool beside = std::includes(border.begin(), border.end(), all.begin(), all.end());
+    group.dimension = !all.empty() && covered == all ? 2 : beside && !group.segments.empty() ? 1 : 0;
     if (group.dimension != 1) group.segments.clear();
     if (group.dimension != 2) group.triangles.clear();
   }
