@@ -120,7 +120,7 @@ NewtonResult let_go(Newton& newton, system::Model& model, Vec start, Vec u) {
   model.dofs().clear_fixed(held);
   system::BoundaryConditions& conditions = model.conditions();
   petsc::VecHandle own = conditions.take_external();
-  const NewtonResult n = in_parts(newton, model, u, [&](double fraction) {
+  NewtonResult n = in_parts(newton, model, u, [&](double fraction) {
     petsc::VecHandle force = model.dofs().create_vector();
     if (own) VOILE_PETSC(VecCopy(own, force));
     VOILE_PETSC(VecAXPY(force, 1.0 - fraction, held));
