@@ -120,12 +120,19 @@ NewtonResult let_go(Newton& newton, system::Model& model, Vec start, Vec u) {
   model.dofs().clear_fixed(held);
   system::BoundaryConditions& conditions = model.conditions();
   petsc::VecHandle own = conditions.take_external();
-  NewtonResult n = in_parts(newton, model, u, [&](double fraction) {
+  const auto hold = [&](double fraction) {
     petsc::VecHandle force = model.dofs().create_vector();
     if (own) VOILE_PETSC(VecCopy(own, force));
     VOILE_PETSC(VecAXPY(force, 1.0 - fraction, held));
     conditions.set_external(std::move(force));
-  });
+  };
+  NewtonResult n;
+  try {
+    n = in_parts(newton, model, u, hold);
+  } catch (...) {  // a signal
+    conditions.set_external(std::move(own));
+    throw;
+  }
   conditions.set_external(std::move(own));
   return n;
 }

@@ -200,7 +200,8 @@ std::vector<mesh::MirrorSide> continued_mirrors(const mesh::ContinuedSurface& sh
 
 namespace {
 
-/// Takes what supports carry out of the forces on differences: each repetition of a vertex has an equal part of its reaction.
+/// Takes what supports carry out of the forces that hold differences: each repetition of a vertex has an equal part of its
+/// reaction.
 void leave_reactions(const Discretisation& on, const petsc::ReadArray& force, std::vector<double>& all) {
   const Constraints& constraints = on.constraints();
   const Ties& ties = constraints.ties;
@@ -218,7 +219,8 @@ void leave_reactions(const Discretisation& on, const petsc::ReadArray& force, st
     for (const Index v : tied)
       for (std::size_t i = 0; i < ties.carriers.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k)
-          all[6 * i + 3 + k] -= ties.periods(v, i) * reaction[static_cast<Eigen::Index>(k)];
+          if (constraints.vertices.at(ties.carriers[i]).fixed[k])
+            all[6 * i + 3 + k] -= ties.periods(v, i) * reaction[static_cast<Eigen::Index>(k)];
   }
 }
 
