@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <set>
 
-#include "base/group_list.hpp"
 #include "base/mpi.hpp"
 #include "edge_moments.hpp"
 #include "energy/loads.hpp"
 #include "energy/sheet.hpp"
 #include "gas.hpp"
+#include "point_weights.hpp"
 #include "term.hpp"
 #include "voile/errors.hpp"
 
@@ -55,19 +55,6 @@ void add_line_load(const mesh::SurfaceMesh& mesh, const Load& load, const AddFor
     if (load.distribution) length *= load.distribution(0.5 * (mesh.positions()[s[0]] + mesh.positions()[s[1]]));
     for (Index v : s) add(v, 0.5 * length * load.vector);
   }
-}
-
-/// The part of a mass at each vertex that a load of gravity acts on: that of the area around it which is of the load's group, so
-/// that loads on the parts of a sheet together are one on the whole.
-std::vector<double> parts_under(const mesh::SurfaceMesh& mesh, const Load& load) {
-  const auto count = static_cast<std::size_t>(mesh.vertex_count());
-  if (load.group.empty()) return std::vector<double>(count, 1.0);
-  std::vector<double> under(count, 0.0), around(count, 0.0);
-  for (Index t = 0; t < mesh.triangle_count(); ++t)
-    for (const Index v : mesh.triangles()[t]) around[v] += mesh.area(t);
-  for (const Index t : loaded_triangles(mesh, load))
-    for (const Index v : mesh.triangles()[t]) under[v] += mesh.area(t) / around[v];
-  return under;
 }
 
 /// Weight without mass is a mistake that a run would answer with silence.
@@ -357,13 +344,7 @@ void BoundaryConditions::build_loads(const std::vector<Load>& loads, const std::
     }
     if (load.kind == Load::Kind::gravity) {
       if (masses.empty()) check_gravity(*on_, load);
-      const std::vector<double> under = parts_under(on_->mesh(), load);
-      const std::vector<std::string> groups = groups_of(load.group);
-      for (const PointMass& m : masses) {
-        const bool same = contains(groups, m.group);
-        for (const Index v : on_->mesh().group(m.group).places())
-          if (under[v] > 0.0) add(v, (same ? 1.0 : under[v]) * m.mass * load.vector);
-      }
+      add_point_weights(on_->mesh(), load, masses, add);
     }
     spread(*on_, load, add);
   }

@@ -84,6 +84,8 @@ def view_page(report):
     report.check(code == 0, "the page is written" if code == 0 else said)
     text = file.read_text()
     report.check(text.count("</script>") == 2 and not re.search("<(script|link|img|iframe)[^>]* (src|href)|@import", text), "one file that loads no other")
+    report.check('"unit":"m"' in text and " ${run.unit}`" in text and '"on_triangles":true' in text and '"on_triangles":false' in text,
+                 "places have the unit of the case, and fields their kind")
     report.check(draw("view", results.file.parent, "--field", "contact_presure", "--output", file)[0] == 2, "an unknown field is a mistake")
     if not shutil.which("node"):
         print("  skip what needs Node")

@@ -52,6 +52,9 @@ TEST_CASE("energy that is not accounted for is warned of from a twentieth on, wi
   b.created = 0.21;  // although the scheme has taken more since
   CHECK(names(loose, "created 0.21 J, 5.2 %"));
   CHECK(balance_warning(b, loose, 0.22).empty());
+  // Of stages that sew, where nothing else is looked at.
+  CHECK(voile::record::creation_warning(b, 0.0).find("created 0.21 J, 5.2 %") != std::string::npos);
+  CHECK(voile::record::creation_warning(b, 0.22).empty());
   b.created = 0.0;
   b.damping = 0.5;  // it takes
   CHECK(balance_warning(b, loose).empty());
