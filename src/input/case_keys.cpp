@@ -138,8 +138,8 @@ const std::vector<SectionInfo>& sections() {
        "rigidly](../howto/hold-rigidly.md)). Not with contact, stages, panels, [air], `[remesh]` or `drape`."},
       {"periodic", true,
        "Pairs of boundary curves along which the sheet repeats itself: see [one cell of a periodic "
-       "sheet](../howto/repeat-a-cell.md). Not with contact, stages, panels, springs, masses, hinges, "
-       "rigid groups, gases, `[remesh]` or `[form]`."},
+       "sheet](../howto/repeat-a-cell.md). Not with contact, stages, panels, masses, hinges, rigid groups, "
+       "gases, `[remesh]` or `[form]`; springs act across differences."},
       {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
       {"temperature", true,
        "Changes of temperature from that at which the sheet has its rest shape; where groups overlap they add up. Each "

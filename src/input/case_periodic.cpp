@@ -68,7 +68,26 @@ void take_difference(const SectionPlace& place, const Case& c, PeriodicSection& 
   };
 }
 
-void refuse_sections(const Case& c, const std::function<void(const char*, const char*)>& refuse) {
+using Refuse = std::function<void(const char*, const char*)>;
+
+/// What springs are fixed to repeats itself with the sheet where edges do not move apart along them.
+void refuse_spring(const Case& c, const system::Spring& spring, const Refuse& refuse) {
+  using Kind = system::Spring::Kind;
+  if (spring.kind == Kind::pair || spring.kind == Kind::band)
+    refuse("[[spring]] type", "\"pair\" and \"band\" are not continued beyond the edges; remove one of the sections");
+  for (const PeriodicSection& s : c.periodics)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool apart = plain_number(s.difference[k]) != 0.0;
+      if (apart && (!spring.direction || (*spring.direction)[static_cast<Eigen::Index>(k)] != 0.0))
+        refuse("[[spring]] direction",
+               fmt::format("its {0} is not 0, nor is the {0} of the difference of '{1}': what springs are "
+                           "fixed to stays; give a direction across it, e.g. [0, 0, 1]",
+                           directions[k], s.name)
+                   .c_str());
+    }
+}
+
+void refuse_sections(const Case& c, const Refuse& refuse) {
   constexpr const char* remove = "what it does is not continued beyond the edges; remove one of the sections";
   if (c.is_staged()) refuse("[[stage]]", "write a case for each stage, without stages");
   if (c.contact.input.active)
@@ -76,11 +95,13 @@ void refuse_sections(const Case& c, const std::function<void(const char*, const 
   if (c.remesh.active) refuse("[remesh]", "the mesh of periodic edges stays as it is; remove one of the sections");
   if (!c.panels.empty()) refuse("[[panel]]", "panels have no periodic edges; use a mesh file");
   if (!c.rigids.empty()) refuse("[[rigid]]", remove);
-  if (!c.springs.empty()) refuse("[[spring]]", remove);
+  for (const system::Spring& spring : c.springs) refuse_spring(c, spring, refuse);
   if (!c.hinges.empty()) refuse("[[hinge]]", remove);
   if (!c.masses.empty()) refuse("[[mass]]", remove);
   if (!c.attachments.empty()) refuse("[[attachment]]", remove);
-  if (!c.imperfections.empty()) refuse("[[imperfection]]", "it does not repeat itself; put the shape into the mesh");
+  for (const ImperfectionSection& i : c.imperfections)
+    if (i.type == ImperfectionSection::Type::random)
+      refuse("[[imperfection]] type = \"random\"", "it does not repeat itself; use \"modes\" or \"expression\"");
   if (c.form.active) refuse("[form]", "forms are not found of periodic sheets; remove one of the sections");
   if (has_gas(c)) refuse("[[load]] type = \"gas\"", "a cell encloses nothing; use \"follower_pressure\"");
   if (!c.mesh.start.empty() || c.mesh.options.rest == formats::RestShape::texture)

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "input/expression.hpp"
+#include "mesh/periodic.hpp"
 #include "results/stored_step.hpp"
 #include "system/mirror_plane.hpp"
 #include "voile/errors.hpp"
@@ -57,20 +58,43 @@ Planes planes_of(const input::Case& c, const mesh::SurfaceMesh& mesh) {
   return planes;
 }
 
+/// Of each vertex the one that it repeats where the sheet is periodic, or itself, and by how many periods.
+struct Repeats {
+  std::vector<Index> root;
+  std::vector<mesh::ContinuedSurface::Shift> periods;
+};
+
+Repeats repeats_of(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  Repeats r;
+  for (Index v = 0; v < mesh.vertex_count(); ++v) r.root.push_back(v);
+  if (c.periodics.empty()) return r;
+  std::vector<mesh::PeriodicCurves> pairs;
+  for (const input::PeriodicSection& s : c.periodics) pairs.push_back({s.pair.from, s.pair.to});
+  mesh::ContinuedSurface sheet = mesh::continue_periodically(mesh, pairs, 1);
+  r.root.assign(sheet.root.begin(), sheet.root.begin() + mesh.vertex_count());
+  r.periods = std::move(sheet.shift);
+  return r;
+}
+
 /// Displacement of each vertex per unit of height: its part along the normal n of each triangle there is 1, or 1 in the least squares
 /// of their areas. Directions that less than `least` of the area needs are left out: small curvature, and sheets folded flat.
-/// Triangles count with their images in mirror planes, so that vertices stay in these.
-std::vector<Vec3> lifts_of(const mesh::SurfaceMesh& mesh, const Planes& planes) {
+/// Triangles count with their images in mirror planes, so that vertices stay in these, and beyond periodic edges.
+std::vector<Vec3> lifts_of(const mesh::SurfaceMesh& mesh, const Planes& planes, const Repeats& repeats) {
   constexpr double least = 0.05;
   const auto count = static_cast<std::size_t>(mesh.vertex_count());
   std::vector<Mat3> squares(count, Mat3::Zero());  // sum of A n n^T
   std::vector<Vec3> sums(count, Vec3::Zero());     // sum of A n
   for (Index t = 0; t < mesh.triangle_count(); ++t)
-    for (const Index v : mesh.triangles()[t]) {
+    for (const Index corner : mesh.triangles()[t]) {
+      const auto v = static_cast<std::size_t>(repeats.root[static_cast<std::size_t>(corner)]);
       const Vec3 n = mesh.start_normal(t);
-      squares[static_cast<std::size_t>(v)] += mesh.area(t) * n * n.transpose();
-      sums[static_cast<std::size_t>(v)] += mesh.area(t) * n;
+      squares[v] += mesh.area(t) * n * n.transpose();
+      sums[v] += mesh.area(t) * n;
     }
+  for (std::size_t v = 0; v < count; ++v) {
+    squares[v] = Mat3(squares[static_cast<std::size_t>(repeats.root[v])]);
+    sums[v] = Vec3(sums[static_cast<std::size_t>(repeats.root[v])]);
+  }
   for (const auto& [v, normals] : planes)
     for (const Vec3& n : normals) {
       const Mat3 mirror = Mat3::Identity() - 2.0 * n * n.transpose();
@@ -128,6 +152,7 @@ struct Place {
   const input::Case& c;
   const mesh::SurfaceMesh& mesh;
   const Planes& planes;
+  const Repeats& repeats;
   const StageModes& known;
 
   [[noreturn]] void fail(const char* key, const std::string& what) const {
@@ -179,7 +204,7 @@ void add_modes(const Place& at, const ImperfectionSection& s, std::vector<Vec3>&
 
 void add_heights(const Place& at, const ImperfectionSection& s, std::vector<Vec3>& added) {
   const mesh::SurfaceMesh& mesh = at.mesh;
-  const std::vector<Vec3> lifts = lifts_of(mesh, at.planes);
+  const std::vector<Vec3> lifts = lifts_of(mesh, at.planes, at.repeats);
   std::vector<double> h;
   if (s.type == ImperfectionSection::Type::random) {
     h = random_heights(s, mesh);
@@ -194,13 +219,33 @@ void add_heights(const Place& at, const ImperfectionSection& s, std::vector<Vec3
   for (std::size_t v = 0; v < added.size(); ++v) added[v] += h[v] * lifts[v];
 }
 
+/// Vertices that repeat others may move from them by the same for all of a pair: the cell then repeats itself by another translation.
+void require_repeats(const Place& at, const std::vector<Vec3>& added) {
+  constexpr double round_off = 1e-6;
+  double most = 0.0;
+  for (const Vec3& w : added) most = std::max(most, w.norm());
+  std::map<mesh::ContinuedSurface::Shift, Vec3> apart;
+  for (std::size_t v = 0; v < added.size() && !at.repeats.periods.empty(); ++v) {
+    const Vec3 d = added[v] - added[static_cast<std::size_t>(at.repeats.root[v])];
+    const auto known = apart.emplace(at.repeats.periods[v], d).first;
+    if ((d - known->second).norm() > round_off * most)
+      throw UserError(
+          fmt::format("{}: [[imperfection]]: the shape does not repeat itself along [[periodic]] edges: at vertex {} "
+                      "it is {:.3g} m off; give "
+                      "heights that are alike on both curves of a pair, e.g. a sine of the period",
+                      at.c.file.string(), at.mesh.data().vertex_tags[v], (d - known->second).norm()));
+  }
+}
+
 /// What is added to each vertex. Rank 0 only.
 std::vector<double> added_by(const input::Case& c, const mesh::SurfaceMesh& mesh, const StageModes& known) {
   std::vector<Vec3> added(static_cast<std::size_t>(mesh.vertex_count()), Vec3::Zero());
   const Planes planes = planes_of(c, mesh);
-  const Place at{c, mesh, planes, known};
+  const Repeats repeats = repeats_of(c, mesh);
+  const Place at{c, mesh, planes, repeats, known};
   for (const ImperfectionSection& s : c.imperfections)
     s.type == ImperfectionSection::Type::modes ? add_modes(at, s, added) : add_heights(at, s, added);
+  require_repeats(at, added);
   std::vector<double> numbers;
   for (const Vec3& w : added) numbers.insert(numbers.end(), w.begin(), w.end());
   return numbers;

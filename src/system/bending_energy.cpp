@@ -149,9 +149,12 @@ void BendingEnergy::add_springs(const std::vector<Spring>& springs, const BlockM
                         "name a `group` without those vertices, or hold the reference point by a `translation`",
                         s.group.empty() ? "on the whole surface" : fmt::format("group '{}'", s.group),
                         on_->mesh().data().vertex_tags[v]));
-      const Index i = on_->owned(v);
+      // What a periodic sheet is held to repeats itself with it: differences along the springs are zero (case_periodic.cpp).
+      const Ties& ties = on_->constraints().ties;
+      const Index of = ties.any() ? ties.root(v) : v;
+      const Index i = on_->owned(of);
       if (i == no_index) return;
-      const Mat3 q = on_->dofs().axes(v);
+      const Mat3 q = on_->dofs().axes(of);
       springs_.push_back({i, stiffness * q.transpose() * unit * q});
       values.add(constant_->bending_blocks().slot(i, on_->dofs().first_row() + i), springs_.back().stiffness);
     };
