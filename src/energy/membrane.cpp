@@ -350,8 +350,11 @@ void MembraneTerm::set_natural(Index e, const NaturalState& state) {
   shift_metrics(e, natural_metrics(n));
   if (!n.fourth) return;
   const Vec3 bent = state.bent(n.rest_bend);
-  batches_.set_number(e, membrane_fields::start_invariants, n.start_squares[0] - bent.dot(n.in_plane * bent));
-  batches_.set_number(e, membrane_fields::start_invariants + 1, n.start_squares[1] - bent.dot(n.trace * bent));
+  const auto square = [&](const Mat3& form) {
+    return state.first_order ? n.rest_bend.dot(form * (2.0 * bent - n.rest_bend)) : bent.dot(form * bent);
+  };
+  batches_.set_number(e, membrane_fields::start_invariants, n.start_squares[0] - square(n.in_plane));
+  batches_.set_number(e, membrane_fields::start_invariants + 1, n.start_squares[1] - square(n.trace));
 }
 
 }  // namespace voile::energy

@@ -36,6 +36,8 @@ def heated_rim(report):
     bent = solve("heated_rim_moment", case | {"load": [{"type": "follower_moment", "group": "end", "magnitude": moment}]})
     heated = solve("heated_rim", case | {"temperature": [{"difference": "50"}]})
     report.percent(np.abs(heated.displacement()).max() / np.abs(bent.displacement()).max(), 0.01, "both deflect alike")
+    more = solve("heated_rim_more", case | {"temperature": [{"difference": "50e3"}]})
+    report.below(largest(more.displacement() / 1e3, heated.displacement()), 1e-9, "a thousand times the heat moves it a thousand times as far")
     for key in ("recovery_error", "membrane_error"):
         known, found = (r.summary[key]["largest"] if isinstance(r.summary[key], dict) else r.summary[key] for r in (bent, heated))
         report.percent(found / known, 0.05, f"{key}: {found:.3g}, with a moment {known:.3g}")
