@@ -137,6 +137,16 @@ void say_differences(const input::Case& c, const record::RunOptions& options, co
         options.restart.string());
 }
 
+/// A motion that has gone beyond its end would be taken for what the end asks for.
+void require_time_left(const input::Case& c, const record::RunOptions& options, double time) {
+  const double end = c.time.options.end_time;
+  if (c.analysis == input::Analysis::dynamic && time > end * (1.0 + 1e-9))
+    throw UserError(
+        fmt::format("--restart {}: it is at t = {:.6g} s, after the end of the motion, time.end = {:.6g} s; give a "
+                    "later end, or an earlier step of results by --restart-step",
+                    options.restart.string(), time, end));
+}
+
 /// v + omega x (x - c) at the vertices of each group; where groups overlap the last one counts. Rank 0 only.
 std::vector<double> initial_velocities(const input::Case& c, const mesh::SurfaceMesh& mesh) {
   std::vector<double> velocity;
@@ -263,6 +273,7 @@ results::Checkpoint read_start(const input::Case& c, const record::RunOptions& o
   mpi::broadcast(options.comm, numbers);
   start.step = static_cast<int>(numbers[0]);
   start.time = numbers[1];
+  if (origin == Origin::restart) require_time_left(c, options, start.time);
   start.next_step = numbers[2];
   start.load_factor = numbers[3];
   start.in_equilibrium = numbers[4] > 0.0;

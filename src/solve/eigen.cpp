@@ -237,11 +237,6 @@ bool can_count(EPS eps, const system::Model& model, EPSWhich which, double targe
   return model.conditions().symmetric() && model.tangent().change().empty() && now == which && at == target;
 }
 
-long free_unknowns(const system::Model& model) {
-  const auto fixed = static_cast<long>(model.dofs().fixed().size());
-  return static_cast<long>(model.dofs().unknowns()) - mpi::sum(model.dofs().comm(), fixed);
-}
-
 /// The modes nearest to `target`, ascending, and how many are below it.
 EigenResult modes_from(const system::Model& model, Mat mass, int count, double target, long& below) {
   EigenResult result;
@@ -288,6 +283,11 @@ EigenResult modes_from(const system::Model& model, Mat mass, int count, double t
 }
 
 }  // namespace
+
+long free_unknowns(const system::Model& model) {
+  const auto fixed = static_cast<long>(model.dofs().fixed().size());
+  return static_cast<long>(model.dofs().unknowns()) - mpi::sum(model.dofs().comm(), fixed);
+}
 
 MassMatrix::MassMatrix(system::Model& model, Vec a, Mass kind) {
   system::require_mass(model);

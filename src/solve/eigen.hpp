@@ -65,6 +65,9 @@ class MassMatrix {
 /// [1/s^2]
 [[nodiscard]] double small_shift(const system::Model& model);
 
+/// As many modes as there are. Collective.
+[[nodiscard]] long free_unknowns(const system::Model& model);
+
 /// Lowest `count` modes of vibration about `a` at the model's load factor. Collective.
 /// Throws UserError if a material has no mass.
 [[nodiscard]] EigenResult vibration_modes(system::Model& model, Vec a, int count, Mat mass);

@@ -137,6 +137,12 @@ def harmonic_peaks(report):
     result = solve("harmonic_shaped", case | {"harmonic": shaped, "damping": {"ratio": [ratio]}})
     psd = table_of(result, "response.csv")["tip_z_acceleration_psd"]
     report.percent(math.sqrt(np.trapz(psd, listed)) / result.summary["response"][0]["rms_acceleration"], 1e-4, "a table with slopes")
+    # A plate of two triangles on springs has no more modes than four: they are all, up to any frequency.
+    buoy = blade(mesh=strip_of(1, 1, 1.0, 1.0), support=[{"type": "displacement", "group": "plate", "components": ["x", "y"]}],
+                 mass=[{"group": "plate", "mass": 1e4}], spring=[{"type": "point", "group": "plate", "stiffness": 4e6, "direction": [0, 0, 1]}],
+                 harmonic=section, damping={"ratio": [ratio]})
+    rms, first = solve("harmonic_buoy", buoy).summary["response"][0]["rms_acceleration"], math.sqrt(4e6 / 1e4) / (2 * math.pi)
+    report.percent(rms / math.sqrt(math.pi / 2 * first / (2 * ratio) * 2.0), 0.005, "a plate of two triangles on springs")
 
 
 @test

@@ -312,6 +312,8 @@ def damaged_restart(report):
     report.check(result.code == 2 and "not finite" in result.text, f"an infinite velocity: code {result.code}")
     result = run(longer, OUT / "damaged_run", 1, ["--restart", OUT / "nowhere.h5"])
     report.check(result.code == 2 and "there is no such file" in result.text, f"a checkpoint that is not there: code {result.code}")
+    result = run(longer, OUT / "damaged_run", 1, ["--restart", whole.folder / "checkpoint.h5", "--set", "time.end=0.05"])
+    report.check(result.code == 2 and "after the end" in result.text, f"a checkpoint later than the end of the motion: code {result.code}")
 
 
 @test
