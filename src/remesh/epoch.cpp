@@ -117,6 +117,7 @@ void Epoch::make_motion(Origin origin) {
   options.until = end_;
   options.goes_on = goes_on(origin);
   options.restarted = origin == Origin::restart;
+  options.released = lets_go_at(stage_, state_.time);
   options.energy_balance = stage_.output.energy_balance;
   dynamics_.emplace(model_, stage_.dynamics);
   auto motion = std::make_unique<solve::TimeIntegration>(*dynamics_, options);

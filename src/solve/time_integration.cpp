@@ -337,7 +337,7 @@ StepResult TimeIntegration::begin(system::State& state) {
   if (state.last.u && n.remembers_start()) n.dynamics.resume_step(state.last);
   if (n.options.energy_balance) {
     n.account.emplace(n.dynamics, system::short_moment * n.options.step)
-        .begin(state.u, state.v, state.a, state.balance, n.options.restarted);
+        .begin(state.u, state.v, state.a, state.balance, n.options.restarted && !n.options.released);
     state.balance = n.account->balance();
   }
   n.create(state);

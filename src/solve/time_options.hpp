@@ -12,6 +12,7 @@ struct TimeOptions {
   double until =
       std::numeric_limits<double>::infinity();  ///< another integration continues from there, if before the end [s]
   bool restarted = false;                       ///< from a state of another run, whose case may have been another
+  bool released = false;                        ///< supports release where it begins, which changes the energy
   bool goes_on = false;                         ///< from another integration, which has shown the start to -ts_monitor
   double step = 0.01;                           ///< first step, and the largest unless max_step is larger [s]
   double min_step = 0.0;                        ///< a step that fails at this size ends the run [s]; 0: step/1000

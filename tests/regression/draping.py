@@ -93,6 +93,9 @@ def release(report):
     solve("release_until", variant(case, {"time.end": 0.02}), 1)
     again = solve("release_again", case, 1, ["--restart", OUT / "release_until" / "checkpoint.h5"])
     report.below(script.difference(whole, again), 1e-10, "restart at the moment of release: difference")
+    lost = [r.summary["energy"] for r in (whole, again)]
+    for key in ("initial_energy", "remeshing_gain"):
+        report.near(lost[1][key], lost[0][key], 1e-9 * abs(lost[0]["remeshing_gain"]), f"{key} of the unbroken run")
     grown = variant(case, {"support.0.release": 0.0207, "time.end": 0.04, "time.step": 2e-4, "time.max_step": 1e-3,
                            "time.target_iterations": 1000, "time.checkpoint_steps": None})
     times = solve("release_grown", grown, 1).history["time"]
