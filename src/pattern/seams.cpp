@@ -269,7 +269,8 @@ class Resolver {
     if (r.sense == Sense::against) b = reversed(b);
     const double taken = r.sense == Sense::against ? turned : as_is, other = r.sense == Sense::against ? as_is : turned;
     if (r.sense == Sense::nearest) {
-      if (turned < as_is) b = reversed(b);
+      Side& side = is_closed(b) && !is_closed(a) ? a : b;  // the points that are told, as `meet`, then mean this way
+      if (turned < as_is) side = reversed(side);
       found_.notes.push_back(fmt::format(
           "seam '{}': {}@{} meets {}@{}, which is the shorter way at the start ({:.3g} m on average, {:.3g} m "
           "the other way round); the key meet sets it",
@@ -279,8 +280,7 @@ class Resolver {
     } else if (taken > 2.0 * other + 0.02) {
       found_.notes.push_back(
           fmt::format("seam '{}': its sides are {:.3g} m apart at the start, the other way round {:.3g} m; if it comes "
-                      "out twisted, "
-                      "correct its sense in {}",
+                      "out twisted, correct its sense in {}",
                       line.name, taken, other, r.where));
     }
   }

@@ -179,6 +179,21 @@ TEST_CASE("holes are cut out of the mesh, and their edges are sewn as others") {
   CHECK(has(refusal_of({sheet}, {seam({"A/0"}, {"A/4"}, {"A@0", "A@5"})}), "twist"));
 }
 
+TEST_CASE("the points that a note names for a seam round a hole make the same seam as meet") {
+  Panel sheet = rectangle("A", 0.6, 0.5, 0.03);
+  sheet.piece.add_loop(rectangle("hole", 0.2, 0.1, 0.03).piece.edges);
+  for (std::size_t k = 4; k < 8; ++k)
+    sheet.piece.edges[k].curve = sheet.piece.edges[k].curve.mapped(Mat2::Identity(), {0.2, 0.15});
+  for (const double y : {-0.5, 0.5}) {  // from either side of the hole
+    const std::vector<Panel> panels{sheet, moved(rectangle("P", 0.6, 0.1, 0.03), {0, y, 0})};
+    const pattern::Garment free = pattern::make_garment(panels, {seam({"P/0"}, {"A/4..7", "A/7"})});
+    const std::string& note = free.seams.notes.at(0);
+    const std::vector<std::string> named{note.substr(note.find("P@"), 3), note.substr(note.find("A@"), 3)};
+    const pattern::Garment again = pattern::make_garment(panels, {seam({"P/0"}, {"A/4..7", "A/7"}, named)});
+    CHECK(again.mesh.seams[0].pairs == free.mesh.seams[0].pairs);
+  }
+}
+
 TEST_CASE("a hole with two sides that are sewn to each other is a dart with two tips") {
   Panel p = rectangle("A", 0.4, 0.6, 0.025);
   using pattern::Curve;
