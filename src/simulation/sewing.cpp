@@ -36,25 +36,57 @@ std::vector<Vec3> places_of(const mesh::SurfaceMesh& mesh, const std::vector<dou
 /// Of an edge of a triangle, relative to its length at rest, above which a garment counts as tight.
 constexpr double tight = 0.05;
 
-/// Where the fabric is stretched most, if that is much.
-std::string stretch_text(const mesh::SurfaceMesh& mesh, const std::vector<double>& displacement) {
-  const std::vector<Vec3> x = places_of(mesh, displacement);
-  double most = 0.0;
+/// Whether all of it lies in the plane of its first triangle.
+bool is_plane(const mesh::SurfaceMesh& mesh, const std::vector<Vec3>& x) {
+  constexpr double round_off = 1e-9;
+  const auto& [a, b, c] = mesh.triangles().front();
+  const Vec3 normal = (x[b] - x[a]).cross(x[c] - x[a]).normalized();
+  return std::all_of(x.begin(), x.end(), [&, from = x[a]](const Vec3& p) {
+    return std::abs(normal.dot(p - from)) <= round_off * mesh.extent();
+  });
+}
+
+struct Stretch {
+  double largest = 0.0;
   Vec3 place = Vec3::Zero();
+  bool in_plane = false;  ///< all fabric is
+};
+
+/// Of the edges of triangles.
+Stretch stretch_of(const mesh::SurfaceMesh& mesh, const std::vector<double>& displacement) {
+  const std::vector<Vec3> x = places_of(mesh, displacement);
+  Stretch most;
   for (Index t = 0; t < mesh.triangle_count(); ++t)
     for (int s = 0; s < 3; ++s) {
       const int next = (s + 1) % 3;
       const Vec3 &a = x[mesh.triangles()[t][s]], &b = x[mesh.triangles()[t][next]];
       const double stretch = (b - a).norm() / (mesh.rest_corner(t, next) - mesh.rest_corner(t, s)).norm() - 1.0;
-      if (stretch <= most) continue;
-      most = stretch;
-      place = 0.5 * (a + b);
+      if (stretch <= most.largest) continue;
+      most.largest = stretch;
+      most.place = 0.5 * (a + b);
     }
-  if (most < tight) return "";
-  return fmt::format(
-      "; the fabric is stretched by {:.0f} % near ({:.4g}, {:.4g}, {:.4g}): it may be too tight there, or held "
-      "by friction where the body is too wide for it: [sewing] friction lets it slide",
-      100.0 * most, place[0], place[1], place[2]);
+  most.in_plane = is_plane(mesh, x);
+  return most;
+}
+
+constexpr const char* plane_text =
+    "all of it lies in one plane, and nothing lets it bulge; bend pieces at the start (wrap_point), or let a load "
+    "across "
+    "the plane act in this stage";
+
+/// Where the fabric is stretched most, if that is much.
+std::string stretch_text(const Stretch& s) {
+  if (s.largest < tight) return "";
+  return fmt::format("the fabric is stretched by {:.0f} % near ({:.4g}, {:.4g}, {:.4g}): {}", 100.0 * s.largest,
+                     s.place[0], s.place[1], s.place[2],
+                     s.in_plane ? plane_text
+                                : "it may be too tight there, or held by friction where the body is too wide for it: "
+                                  "[sewing] friction lets it slide");
+}
+
+/// A dart closes in its plane, too.
+void warn_of_plane(const Stretch& s) {
+  if (s.in_plane && s.largest >= tight) fmt::print(stderr, "voile: warning: {}\n", stretch_text(s));
 }
 
 /// The group of a support that holds a vertex; empty if none does.
@@ -98,11 +130,12 @@ std::string too_wide(const input::Case& c, const mesh::SurfaceMesh& mesh, const 
   const mesh::SeamGap widest =
       mesh::widest_gap(mesh.data(), mesh::open_seams(mesh.data(), seams), places_of(mesh, displacement));
   if (widest.gap <= c.sewing.gap) return "";
+  const std::string tightness = stretch_text(stretch_of(mesh, displacement));
   return fmt::format(
              "seam '{}' is still open by {:.3g} m near ({:.4g}, {:.4g}, {:.4g}), more than [sewing] gap = {:g} m: {}",
              widest.seam, widest.gap, widest.place[0], widest.place[1], widest.place[2], c.sewing.gap,
              remedy(c, mesh, widest)) +
-         gathers_text(c, mesh, widest.seam) + stretch_text(mesh, displacement);
+         gathers_text(c, mesh, widest.seam) + (tightness.empty() ? "" : "; " + tightness);
 }
 
 /// How hard the seams were pulled at the end, and whether more is to be had.
@@ -198,7 +231,7 @@ std::string open_seam_text(const input::Case& c, const system::Model& model, con
   const std::vector<Vec3> positions = contact != nullptr ? contact->scene().positions(state.u) : std::vector<Vec3>{};
   mpi::on_root(model.dofs().comm(), [&] {
     text = too_wide(c, mesh, c.stage.sew, displacement);
-    if (text.empty()) return;
+    if (text.empty()) return warn_of_plane(stretch_of(mesh, displacement));
     text += force_text(c, model, state.time);
     if (contact == nullptr) return;
     text += obstruction_text(contact->scene(), positions, mesh::open_seams(mesh.data(), c.stage.sew), c.sewing.gap);

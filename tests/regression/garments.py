@@ -262,6 +262,13 @@ def garment_dart(report):
     _, count = np.unique(edges, axis=0, return_counts=True)
     report.check((count <= 2).all(), "the welded mesh is a manifold")
     report.check(h["intersections"].max() == 0, "no intersection")
+    eye = svg("garment_eye.svg", '<path id="piece" d="M 0 0 L 300 0 L 300 300 L 0 300 Z M 150 70 Q 190 150 150 230 Q 110 150 150 70 Z"/>')
+    flat = case | {"panel": [{"file": eye, "size": 0.015}], "stage": case["stage"][:1], "seam": [{"edges": ["piece/4"], "to": ["piece/5"]}],
+                   "material": [{"type": "isotropic", "young": 1e7, "poisson": 0.3, "thickness": 1e-3, "density": 200.0}]}
+    flat.pop("contact")
+    for name, changes, code in (("closed", {}, 0), ("open", {"sewing": {"force": 300.0}}, 3)):
+        result = run(write_case(flat | changes, OUT / f"garment_eye_{name}.toml"), OUT / f"garment_eye_{name}")
+        report.check(result.code == code and "in one plane" in result.text, f"a stiff cloth with a dart in a plane, {name}: code {result.code}: {result.text.strip()[-400:]}")
 
 
 @test
