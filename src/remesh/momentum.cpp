@@ -54,6 +54,7 @@ Ledger Remesher::ledger(Epoch& epoch) const {
   system::Model& model = epoch.model();
   const system::State& s = epoch.state();
   Ledger l;
+  model.potential().count_from(s.u);  // last digits would depend on the way there, and a restart comes by another one
   l.energies = system::energies(model, s.u);
   const std::vector<double> mass = masses(model), u = model.dofs().gather(s.u),
                             v = s.v ? model.dofs().gather(s.v) : std::vector<double>{};

@@ -93,6 +93,10 @@ def remesh_restart(report):
         again = run(file, fresh("remesh_again"), 1 + (number + 2) % 3, ["--restart", OUT / "remesh_short" / "checkpoint.h5"])
         report.check(short.code == 3 and again.code == 0, f"from step {steps}: codes {short.code}, {again.code}")
         compare(report, again, whole, 1e-8, f"from step {steps}")
+    at = list(h["remeshings"]).index(1) - 1
+    run(file, fresh("remesh_short"), 1, ["-ts_max_steps", str(at)])  # the mesh is exchanged next
+    again = run(file, fresh("remesh_again"), 1, ["--restart", OUT / "remesh_short" / "checkpoint.h5"])
+    report.check(np.array_equal(again.displacement(), whole.displacement()), f"from step {at} on one rank: the same to the last bit")
     recorded = run(file, fresh("remesh_recorded"), 2, ["--restart", whole.folder / "results.vtkhdf", "--restart-step", "40"])
     report.check(recorded.code == 0, "from results.vtkhdf" + recorded.text[-200:] * (recorded.code != 0))
     compare(report, recorded, whole, 1e-3, "from results.vtkhdf, which has no accelerations", balanced=False)
