@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,6 +18,7 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
+#include <utility>
 
 #include "confinement.hpp"
 #include "shipped_files.hpp"
@@ -78,12 +80,15 @@ void write_all(int descriptor, const char* bytes, std::size_t count) {
 
 int answer_descriptor = -1;      // of the child, for its handlers below
 volatile bool answered = false;  // it has sent, or is sending
+bool lasting = false;            // more answers follow, so that each says how long it is
 
 void send(int descriptor, Answer answer, const std::string& bytes) {
   answered = true;
   const char first = static_cast<char>(answer);
+  const std::size_t count = bytes.size();
   write_all(descriptor, &first, 1);
-  write_all(descriptor, bytes.data(), bytes.size());
+  if (lasting) write_all(descriptor, reinterpret_cast<const char*>(&count), sizeof count);
+  write_all(descriptor, bytes.data(), count);
 }
 
 /// Before bad_alloc: libraries run into std::terminate with it.
@@ -140,6 +145,17 @@ constexpr int answer_stream = 3;
   _exit(0);
 }
 
+bool read_exactly(int descriptor, char* bytes, std::size_t count) {
+  while (count > 0) {
+    const ssize_t part = read(descriptor, bytes, count);
+    if (part < 0 && errno == EINTR) continue;
+    if (part <= 0) return false;
+    bytes += part;
+    count -= static_cast<std::size_t>(part);
+  }
+  return true;
+}
+
 std::string read_all(int descriptor) {
   std::string bytes;
   std::string part(1 << 16, '\0');
@@ -173,6 +189,29 @@ void explain_signal(const std::string& file, int signal) {
                     file, limit_of_reading()));
 }
 
+/// What a child has sent, or what it says went wrong.
+std::string result_of(const std::string& file, Answer answer, std::string bytes) {
+  if (answer == Answer::done) return bytes;
+  if (answer == Answer::user_error) throw UserError(bytes);
+  if (answer == Answer::program) throw refused(file, Refused::program);
+  if (answer == Answer::file) throw refused(file, Refused::file);
+  if (answer == Answer::no_memory)
+    throw UserError(fmt::format(
+        "{}: reading or meshing it needs more memory than there is: a count or a parameter in it is too large, "
+        "or it is damaged; make the mesh coarser or export it again",
+        file));
+  throw UserError(fmt::format("{}: reading it failed ({}); is the file damaged? export it again", file, bytes));
+}
+
+/// Throws for a child that has ended without an answer.
+[[noreturn]] void explain_end(const std::string& file, int status) {
+  if (WIFSIGNALED(status)) explain_signal(file, WTERMSIG(status));
+  throw UserError(
+      fmt::format("{}: reading it failed ({}): the file is damaged, or asks for something that its reader cannot do; "
+                  "export it again",
+                  file, WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "without an answer"));
+}
+
 /// What a child, made of this process by `become`, answers.
 std::string answer_of(const std::string& file, const std::function<void(int descriptor)>& become) {
   int ends[2] = {-1, -1};
@@ -192,24 +231,25 @@ std::string answer_of(const std::string& file, const std::function<void(int desc
   close(ends[0]);
   int status = 0;
   while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
-  if (WIFSIGNALED(status)) explain_signal(file, WTERMSIG(status));
-  if (WIFSIGNALED(status) || bytes.empty())
-    throw UserError(
-        fmt::format("{}: reading it failed ({}): the file is damaged, or asks for something that its reader cannot do; "
-                    "export it again",
-                    file, WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "without an answer"));
+  if (WIFSIGNALED(status) || bytes.empty()) explain_end(file, status);
   const auto answer = static_cast<Answer>(bytes.front());
   bytes.erase(0, 1);
-  if (answer == Answer::done) return bytes;
-  if (answer == Answer::user_error) throw UserError(bytes);
-  if (answer == Answer::program) throw refused(file, Refused::program);
-  if (answer == Answer::file) throw refused(file, Refused::file);
-  if (answer == Answer::no_memory)
-    throw UserError(fmt::format(
-        "{}: reading or meshing it needs more memory than there is: a count or a parameter in it is too large, "
-        "or it is damaged; make the mesh coarser or export it again",
-        file));
-  throw UserError(fmt::format("{}: reading it failed ({}); is the file damaged? export it again", file, bytes));
+  return result_of(file, answer, std::move(bytes));
+}
+
+/// What a child that stays does, until nobody asks any more.
+[[noreturn]] void answer_all(int descriptor, const std::function<std::string(const std::string&)>& work) {
+  become_child();
+  lasting = true;
+  for (;;) {
+    (void)alarm(0);
+    std::size_t count = 0;
+    if (!read_exactly(descriptor, reinterpret_cast<char*>(&count), sizeof count)) _exit(0);
+    std::string request(count, '\0');
+    if (!read_exactly(descriptor, request.data(), count)) _exit(0);
+    (void)alarm(static_cast<unsigned>(limit_of_reading()));
+    answer(descriptor, [&] { return work(request); });
+  }
 }
 
 }  // namespace
@@ -217,6 +257,77 @@ std::string answer_of(const std::string& file, const std::function<void(int desc
 std::string run_in_child(const std::string& file, const std::function<std::string()>& work) {
   if (std::getenv("VOILE_READ_HERE")) return work();
   return answer_of(file, [&](int descriptor) { child(descriptor, work); });
+}
+
+struct LastingChild::Impl {
+  std::string file;
+  std::function<std::string(const std::string&)> work;
+  int descriptor = -1;
+  pid_t pid = -1;
+
+  void start();
+  [[nodiscard]] bool send_request(const std::string& request) const;
+  /// How the child has ended; waits for it.
+  int end();
+};
+
+void LastingChild::Impl::start() {
+  int ends[2] = {-1, -1};
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+    throw InternalError(fmt::format("{}: no socket for reading it", file));
+  pid = fork();
+  if (pid == 0) {
+    close(ends[0]);
+    answer_all(ends[1], work);
+  }
+  close(ends[1]);
+  descriptor = ends[0];
+  if (pid >= 0) return;
+  close(std::exchange(descriptor, -1));
+  throw InternalError(fmt::format("{}: no process for reading it: {}", file, std::strerror(errno)));
+}
+
+bool LastingChild::Impl::send_request(const std::string& request) const {
+  const std::size_t count = request.size();
+  std::string bytes(reinterpret_cast<const char*>(&count), sizeof count);
+  bytes += request;
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t sent = ::send(descriptor, bytes.data() + done, bytes.size() - done, MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent <= 0) return false;
+    done += static_cast<std::size_t>(sent);
+  }
+  return true;
+}
+
+int LastingChild::Impl::end() {
+  int status = 0;
+  if (pid < 0) return status;
+  // Closing is not enough: children that were started later have this end, too.
+  (void)shutdown(descriptor, SHUT_RDWR);
+  close(std::exchange(descriptor, -1));
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
+  pid = -1;
+  return status;
+}
+
+LastingChild::LastingChild(std::string file, std::function<std::string(const std::string&)> work)
+    : impl_(std::make_unique<Impl>(Impl{std::move(file), std::move(work)})) {}
+LastingChild::~LastingChild() {
+  (void)impl_->end();
+}
+
+std::string LastingChild::ask(const std::string& request) {
+  Impl& n = *impl_;
+  if (std::getenv("VOILE_READ_HERE")) return n.work(request);
+  if (n.pid < 0) n.start();
+  char first = '\0';
+  if (!n.send_request(request) || !read_exactly(n.descriptor, &first, 1)) explain_end(n.file, n.end());
+  std::size_t count = 0;
+  std::string bytes;
+  if (read_exactly(n.descriptor, reinterpret_cast<char*>(&count), sizeof count)) bytes.resize(count);
+  if (!read_exactly(n.descriptor, bytes.data(), bytes.size())) explain_end(n.file, n.end());
+  return result_of(n.file, static_cast<Answer>(first), std::move(bytes));
 }
 
 std::string run_beside(const std::string& file, const std::string& program, const std::vector<std::string>& words) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,23 @@ namespace voile {
 /// its reader fail. With VOILE_READ_HERE in the environment the work is done in this process, for debuggers and
 /// sanitizers. Throws InternalError if no process can be started. Not collective.
 [[nodiscard]] std::string run_in_child(const std::string& file, const std::function<std::string()>& work);
+
+/// Such a child that stays, with what it has opened, and answers one request after the other, each within the time that a
+/// child has. It ends with this object, or with this process.
+class LastingChild {
+ public:
+  /// `work`: the answer to a request; what it keeps, it keeps in the child. Starts nothing yet.
+  LastingChild(std::string file, std::function<std::string(const std::string& request)> work);
+  ~LastingChild();
+  LastingChild(const LastingChild&) = delete;
+  LastingChild& operator=(const LastingChild&) = delete;
+  /// Throws as run_in_child(); the request after one that the child has died of goes to a new one.
+  [[nodiscard]] std::string ask(const std::string& request);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 /// The same by a program that lies beside this one, given `words`, which answers through answer_to_parent(). Throws
 /// UserError too if there is no such program.

@@ -142,7 +142,9 @@ std::pair<Hdf5Handle, fs::path> StoredResults::open_step(std::size_t step) const
 }
 
 std::int64_t StoredResults::read_entry(const std::string& list, std::size_t step) const {
-  const std::vector<std::int64_t> values = read_integers(file_, list, path_);
+  const auto known = entries_.find(list);
+  const std::vector<std::int64_t>& values =
+      known != entries_.end() ? known->second : (entries_[list] = read_integers(file_, list, path_));
   if (step >= values.size() || values[step] < 0)
     fail_reading(path_, fmt::format("'{}' lacks step {}: the file is damaged", list, steps_[step].number));
   return values[step];
@@ -166,17 +168,29 @@ std::vector<FieldInfo> StoredResults::fields(std::size_t step) const {
     }
     return found;
   }
+  for (const FieldInfo& f : known_fields())
+    if (has_field(f.name, step)) found.push_back(f);
+  return found;
+}
+
+bool StoredResults::has_field(const std::string& name, std::size_t step) const {
+  const std::string present = "voile/steps/has/" + name;
+  return (entries_.count(present) > 0 || (has(file_, "voile/steps/has") && has(file_, present))) &&
+         read_entry(present, step) != 0;
+}
+
+const std::vector<FieldInfo>& StoredResults::known_fields() const {
+  if (!known_.empty()) return known_;
   for (const Centre centre : {Centre::vertex, Centre::triangle}) {
     const std::string part = centre == Centre::vertex ? "VTKHDF/PointData" : "VTKHDF/CellData";
     for (const std::string& shown : names_in(file_, part)) {
       const std::string path = part + "/" + shown;
       if (!has(file_, path) || H5Aexists_by_name(file_, path.c_str(), "unit", H5P_DEFAULT) <= 0) continue;
-      const std::string name = read_text(file_, path, "name", path_), present = "voile/steps/has/" + name;
-      if (has(file_, "voile/steps/has") && has(file_, present) && read_entry(present, step) != 0)
-        found.push_back({name, read_text(file_, path, "unit", path_), centre, columns_of(file_, path, path_)});
+      known_.push_back({read_text(file_, path, "name", path_), read_text(file_, path, "unit", path_), centre,
+                        columns_of(file_, path, path_)});
     }
   }
-  return found;
+  return known_;
 }
 
 std::vector<double> StoredResults::values(std::size_t step, const FieldInfo& field, std::size_t count) const {
@@ -197,9 +211,8 @@ std::optional<std::vector<double>> StoredResults::vectors(std::size_t step, cons
   if (!complete_) {
     const auto [file, place] = open_step(step);
     if (!has(file, "fields/" + name)) return std::nullopt;
-  } else {
-    const std::string present = "voile/steps/has/" + name;
-    if (!has(file_, "voile/steps/has") || !has(file_, present) || read_entry(present, step) == 0) return std::nullopt;
+  } else if (!has_field(name, step)) {
+    return std::nullopt;
   }
   return values(step, {name, "", Centre::vertex, 3}, vertices);
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -48,6 +49,9 @@ class StoredResults {
   [[nodiscard]] ObstacleTriangles obstacles_in(hid_t file, const std::string& at,
                                                const std::filesystem::path& place) const;
   [[nodiscard]] std::pair<Hdf5Handle, std::filesystem::path> open_step(std::size_t step) const;
+  /// Fields that any step may have.
+  [[nodiscard]] const std::vector<FieldInfo>& known_fields() const;
+  [[nodiscard]] bool has_field(const std::string& name, std::size_t step) const;
   [[nodiscard]] std::int64_t read_entry(const std::string& list, std::size_t step) const;
   [[noreturn]] void fail_missing(const std::string& file) const;
 
@@ -55,6 +59,9 @@ class StoredResults {
   Hdf5Handle file_;
   bool complete_ = false;
   std::vector<StoredStepInfo> steps_;
+  // Of a finished run, once read
+  mutable std::map<std::string, std::vector<std::int64_t>> entries_;
+  mutable std::vector<FieldInfo> known_;
 };
 
 /// Whether its run has ended, so that steps/ is not needed.

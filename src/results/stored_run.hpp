@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "base/child_process.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "results.hpp"
 
@@ -35,8 +37,8 @@ struct StoredMesh {
   std::string unit = "m";          ///< of positions
 };
 
-/// Not collective. Nothing is kept open: a run may go on writing. Everything is read in a process of its own first, since
-/// HDF5 can crash on a damaged file. All throw UserError with the file and what is the matter with it.
+/// Not collective. A run may go on writing: only what is finished is kept open. Everything is read in a process of its own,
+/// since HDF5 can crash on a damaged file: fields in one that stays. All throw UserError with the file and what is the matter with it.
 class StoredRun {
  public:
   /// `place`: a results.vtkhdf or the folder it is in.
@@ -61,6 +63,7 @@ class StoredRun {
   bool complete_ = false;
   std::vector<StoredStepInfo> steps_;
   ObstacleTriangles obstacles_;
+  std::shared_ptr<LastingChild> reader_;
 };
 
 }  // namespace voile::results
