@@ -87,6 +87,7 @@ struct PathFollower::Impl {
   void start_from(const system::State& state);
   void begin(const system::State& state, StepResult& r);
   [[nodiscard]] NewtonResult regain(system::State& state, double probed_before);
+  void require_motion(double speed) const;
   [[nodiscard]] Constraint next_constraint(double length) const;
   [[nodiscard]] Constraint fraction(const Constraint& whole, double part) const;
   [[nodiscard]] bool passes_end(Vec a, double lambda) const;

@@ -32,6 +32,7 @@ void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
     throw UserError(
         "[steps] control_probe: loads and temperatures do not move it at the start of the path; name a probe that "
         "moves, add an [[imperfection]], or use control = \"arc_length\"");
+  require_motion(largest);
   const system::PathMemory& memory = state.path;
   unit = std::abs(options.final_displacement);
   if (options.control == Control::arc_length) unit = memory.unit > 0.0 ? memory.unit : tangent.speed;
@@ -56,6 +57,18 @@ void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
   if (!kind) return;
   r.critical = {*kind, steps, factor};
   if (remark) remark(fmt::format("{} at about load factor {:.6g}, between two meshes", name(*kind), factor));
+}
+
+/// Arcs of round-off lead anywhere.
+void PathFollower::Impl::require_motion(double speed) const {
+  constexpr double moved = 1e-11;  // of the extent, at the end of the path
+  if (options.control == Control::arc_length && options.final_displacement == 0.0 &&
+      speed * std::abs(options.final_load_factor) < moved * model.dofs().mesh().extent())
+    throw UserError(
+        "[steps] control = \"arc_length\": loads and temperatures do not move the sheet at the start of the path, "
+        "which has no "
+        "length until it buckles; add an [[imperfection]], find where by analysis = \"buckling\", or use control = "
+        "\"load\"");
 }
 
 }  // namespace voile::solve

@@ -442,6 +442,11 @@ def initial_mistakes(report):
             {"type": "modes", "results": str(modes.folder), "modes": [mode], "amplitudes": [1e-3]}]}
         done = run(write_case(case, OUT / "mistake_mode.toml"), fresh("mistake_mode"))
         report.check(done.code == 2 and words in done.text, f"mode {mode} on {cells} cells: code {done.code}, {done.text.strip()[-250:]}")
+    still = held_plate(6, "hinged", temperature=[{"change": "1"}], steps={"control": "arc_length", "final_load_factor": 7.0, "initial_step": 1.627, "at_critical_point": "stop"})
+    for turned in ([0, 0, 0], [20, 30, 40]):
+        still["mesh"]["rotate"] = turned
+        done = run(write_case(still, OUT / "mistake_still.toml"), fresh("mistake_still"))
+        report.check(done.code == 2 and "until it buckles" in done.text, f"an arc of a plate that heat does not move: code {done.code}, {done.text.strip()[-250:]}")
 
 
 @test
