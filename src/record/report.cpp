@@ -51,8 +51,10 @@ std::string state_text(const input::Case& c, const Summary& s) {
   if (c.finds_modes() && s.eigen.empty()) return "converged: the response at every frequency";
   if (c.finds_modes()) return fmt::format("converged: {} modes", s.eigen.size());
   if (c.analysis == input::Analysis::dynamic) return "converged: every step";
+  // Linear analysis looks at the sheet before the load.
+  const bool unknown = s.negative_pivots < 0 || (c.analysis == input::Analysis::linear && s.negative_pivots == 0);
   return fmt::format("converged: residual {}{}", solve::part_of_forces(s.residual),
-                     s.negative_pivots < 0    ? ""
+                     unknown                  ? ""
                      : s.negative_pivots == 0 ? ", a stable equilibrium"
                                               : ", an unstable equilibrium");
 }
@@ -65,7 +67,7 @@ std::string resolved_text(const input::Case& c, const Summary& s) {
   if (!s.mode_errors.empty()) {
     double worst = 0.0;
     for (std::size_t i = 0; i < s.mode_errors.size(); ++i)
-      if (counts(c, s.eigen[i])) worst = std::max(worst, s.mode_errors[i]);
+      if (counts(c, s.eigen, i)) worst = std::max(worst, s.mode_errors[i]);
     return fmt::format("{}: by estimate the modes are off by {}", verdict(worst), up_to_text(worst));
   }
   const DiscretisationError::Fractions& e = s.recovery_error;

@@ -25,8 +25,11 @@ double highest_frequency(const input::HarmonicSection& section) {
   return std::max({band, fields, section.frequencies.empty() ? section.to : section.frequencies.back()});
 }
 
-bool counts(const input::Case& c, double value) {
-  return c.analysis != input::Analysis::harmonic || value <= highest_frequency(c.harmonic);
+bool counts(const input::Case& c, const std::vector<double>& values, std::size_t i) {
+  constexpr double rigid = 1e-3;
+  if (c.analysis != input::Analysis::harmonic || values[i] <= highest_frequency(c.harmonic)) return true;
+  return std::all_of(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(i),
+                     [&](double lower) { return lower < rigid * values[i]; });
 }
 
 Eigen::Vector3cd von_mises_parts(const Eigen::Vector3cd& s) {

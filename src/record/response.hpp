@@ -20,8 +20,9 @@ namespace voile::record {
 
 /// The highest frequency of the response [Hz].
 [[nodiscard]] double highest_frequency(const input::HarmonicSection& section);
-/// Whether a mode of this value (frequency [Hz], load factor) counts for the result, not only for what completes it.
-[[nodiscard]] bool counts(const input::Case& c, double value);
+/// Whether mode i of these values (frequencies [Hz], load factors) counts for the result, not only for what completes it. Of a response
+/// below all modes that strain, the first of them does.
+[[nodiscard]] bool counts(const input::Case& c, const std::vector<double>& values, std::size_t i);
 
 /// The three parts whose squares add up to von Mises's stress squared, and its largest value in a cycle.
 [[nodiscard]] Eigen::Vector3cd von_mises_parts(const Eigen::Vector3cd& stress);

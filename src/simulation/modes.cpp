@@ -47,7 +47,7 @@ void warn_of_errors(const input::Case& c, const record::Summary& s) {
   std::string found;
   double largest = 0.0;
   for (std::size_t i = 0; i < s.mode_errors.size(); ++i) {
-    if (!(s.mode_errors[i] > record::error_limit) || !record::counts(c, s.eigen[i])) continue;
+    if (!(s.mode_errors[i] > record::error_limit) || !record::counts(c, s.eigen, i)) continue;
     found += fmt::format("{}{}", found.empty() ? "" : ", ", i + 1);
     largest = std::max(largest, s.mode_errors[i]);
   }
