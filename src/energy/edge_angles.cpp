@@ -118,7 +118,9 @@ bool bends_by_angles(const Sheet& sheet, Index t) {
   see(t);
   for (int s = 0; s < 3; ++s)
     if (const Index n = sheet.mesh().neighbour(t, s); n != no_index) see(n);
-  return fold < folded_back && (all || fold > element.crease_angle);
+  const Material& m = sheet.material(t);
+  const bool beside_notch = sheet.is_near_notch(t) && m.friction.sliders.empty() && !couples(m);
+  return fold < folded_back && (all || fold > element.crease_angle || beside_notch);
 }
 
 std::optional<EdgeAngles> make_edge_angles(const Sheet& sheet, Index t, const CurvatureOperator& op,

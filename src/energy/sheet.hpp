@@ -71,6 +71,12 @@ class Sheet {
   }
   /// Part of the sheet with a temperature of its own that triangle t is in.
   [[nodiscard]] int zone(Index t) const { return zones_.empty() ? 0 : zones_[static_cast<std::size_t>(t)]; }
+  /// Per triangle, whether it lies beside such a notch (notches.hpp); empty: none does, as at first.
+  void set_notches(std::vector<char> near) { notches_ = std::move(near); }
+  /// Whether triangle t lies beside a notch that is small for the thickness there.
+  [[nodiscard]] bool is_near_notch(Index t) const {
+    return !notches_.empty() && notches_[static_cast<std::size_t>(t)] != 0;
+  }
   /// Triangles whose material axis is continued from neighbours.
   [[nodiscard]] Index continued_axes() const { return axes_.continued; }
 
@@ -82,6 +88,7 @@ class Sheet {
   ElementOptions options_;
   std::vector<BendingSide> seams_;
   std::vector<int> zones_;
+  std::vector<char> notches_;
   std::unordered_set<Index> folds_;  ///< 3 t + s of the sides that bend more easily
 };
 

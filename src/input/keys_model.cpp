@@ -101,7 +101,7 @@ std::vector<Key> keys_of(energy::ElementOptions& s) {
       {.name = "type",
        .slot = element_choice(s),
        .meaning = "The element. `corrected`: bending from one normal slope per edge, a constant matrix, and by angles "
-                  "beside folds at rest; membrane from "
+                  "beside folds at rest and small notches; membrane from "
                   "the mid-side strains of the six-node patch, less the spurious strain of straight chords where the "
                   "surface bends. `angles`: the same, with bending from the angles at edges on every triangle, for "
                   "folds at rest and long uneven cells; up to 1.5 times the time. `six_node`: without the correction "

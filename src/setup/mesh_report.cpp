@@ -333,7 +333,10 @@ std::vector<std::string> sheet_notes(const energy::Sheet& sheet) {
         sheet.continued_axes()));
   const long folded = sheet.options().bending == energy::BendingOperator::edge_slope ? angle_triangles(sheet) : 0;
   if (folded > 0)
-    notes.push_back(fmt::format("{} triangle(s) bend by angles at edges: the sheet is folded there at rest", folded));
+    notes.push_back(fmt::format(
+        "{} triangle(s) bend by angles at edges: the sheet is folded there at rest, or they lie beside a notch "
+        "that is small for its thickness",
+        folded));
   return notes;
 }
 

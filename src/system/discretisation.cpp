@@ -11,6 +11,7 @@
 #include "energy/curvature.hpp"
 #include "energy/joint.hpp"
 #include "energy/membrane.hpp"
+#include "energy/notches.hpp"
 #include "energy/sheet.hpp"
 #include "hinges.hpp"
 #include "mesh/patch.hpp"
@@ -106,6 +107,7 @@ Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std
                                              bending_across_seams(mesh, seams.rules),
                                              heated_zones(mesh, couplings.temperatures));
     if (own_patches_) continue_sheet(options, couplings.temperatures);
+    find_notches();
     joint_factors_ = bending_of_joints(mesh, seams.rules);
     needed = find_elements(couplings);
   });
@@ -132,6 +134,22 @@ void Discretisation::continue_sheet(const energy::ElementOptions& options,
   continued_ =
       std::make_unique<energy::Sheet>(*patches_, materials_, energy::assign_materials(mesh, materials_), options,
                                       std::vector<energy::BendingSide>{}, heated_zones(mesh, temperatures));
+}
+
+void Discretisation::find_notches() {
+  std::vector<Index> root;
+  if (constraints_.ties.any()) {
+    const std::vector<Index>& of = constraints_.ties.sheet->root;
+    root.assign(of.begin(), of.begin() + mesh_->vertex_count());
+  }
+  std::vector<char> near = energy::near_notches(*sheet_, root);
+  if (near.empty()) return;
+  if (continued_) {
+    std::vector<char> beyond;
+    for (const Index t : constraints_.ties.sheet->original) beyond.push_back(near[static_cast<std::size_t>(t)]);
+    continued_->set_notches(std::move(beyond));
+  }
+  sheet_->set_notches(std::move(near));
 }
 
 Discretisation::GatheredSheet Discretisation::gathered_sheet(const std::vector<mesh::Gather>& seams) const {

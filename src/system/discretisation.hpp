@@ -126,6 +126,7 @@ class Discretisation {
   void prepare_bodies(const std::vector<RigidGroup>& rigid);
   /// Patches and sheets of a mesh, and of what continues it.
   void make_patches();
+  void find_notches();
   void continue_sheet(const energy::ElementOptions& options, const std::vector<Temperature>& temperatures);
   [[nodiscard]] std::vector<int> holders() const;
   void need(const std::vector<Index>& points, std::vector<char>& needed) const;

@@ -457,6 +457,36 @@ def stress_at_vertices(report):
 
 
 @test
+def stress_at_notches(report):
+    """A round hole in a wide sheet that is pulled (Kirsch): three times the stress along its edge, none across, whatever the thickness."""
+    around, out = 40, 44
+    r, a = np.geomspace(1.0, 5.0, out + 1), np.linspace(0, np.pi / 2, around + 1)
+    points = np.array([(x * np.cos(t), x * np.sin(t), 0) for t in a for x in r])
+    at = lambda i, j: j * (out + 1) + i  # noqa: E731
+    cells = [(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)) for j in range(around) for i in range(out)]
+    mesh = write_msh(OUT / "kirsch.msh", points, [("x axis", 1, [(at(i, 0), at(i + 1, 0)) for i in range(out)]), ("y axis", 1, [(at(i, around), at(i + 1, around)) for i in range(out)]),
+                                                  ("outside", 1, [(at(out, j), at(out, j + 1)) for j in range(around)]),
+                                                  ("sheet", 2, np.array([t for p, q, s, u in cells for t in ((p, q, s), (p, s, u))]))])
+    # Stresses of a unit pull along x on the circle of radius 5: radial, and shear, as tractions.
+    c2, s2, k = "(x*x - y*y)/25", "2*x*y/25", 1 / 25
+    radial = f"({0.5 * (1 - k)} + {0.5 * (1 - 4 * k + 3 * k * k)}*{c2})"
+    shear = f"(-{0.5 * (1 + 2 * k - 3 * k * k)}*{s2})"
+    pulls = [([1.0, 0, 0], f"{radial}*x/5 - {shear}*y/5"), ([0, 1.0, 0], f"{radial}*y/5 + {shear}*x/5")]
+    fibres = {"type": "orthotropic", "young_1": 140e9, "young_2": 10e9, "poisson_12": 0.3, "shear_12": 5e9, "direction": [1, 0, 0]}
+    for name, material, thicknesses in (("isotropic", {"type": "isotropic", "young": 210e9, "poisson": 0.3}, (0.001, 0.2, 0.1, 0.04)), ("fibres", fibres, (0.001, 0.2, 0.05, 0.0125))):
+        for h in thicknesses:
+            case = {"analysis": "linear", "mesh": {"file": str(mesh)}, "material": [material | {"thickness": h}], "output": {"stresses": "surface"},
+                    "support": [{"type": "symmetry", "group": "x axis"}, {"type": "symmetry", "group": "y axis"}, {"type": "displacement", "group": "sheet", "components": ["z"]}],
+                    "load": [{"type": "line", "group": "outside", "vector": [h * 1e6 * c for c in v], "distribution": d} for v, d in pulls]}
+            along, across = solve("kirsch", case).results[-1]["stress_top_at_vertices"][at(0, around)][:2] / 1e6
+            thin = along if h == 0.001 else thin
+            if name == "isotropic":
+                report.percent(along / 3.0, 0.03, "by the closed form")
+            report.percent(along / thin, 0.01, f"{name}, R = {1 / h:.3g} h: stress along the edge {along:.4g} MPa")
+            report.below(abs(across) / along, 0.03, "across it")
+
+
+@test
 def stress_at_clamps(report):
     """Stresses at the vertices of clamped edges, where they are largest, and of an edge with a moment: a strip clamped at both ends under q has q l^2/12 there."""
     length, thickness, q = 0.6, 2e-3, 1e3
