@@ -169,6 +169,15 @@ void mark_compared(Sheet& sheet) {
         if (m.name == fmt::format("kes.LT.{}", d)) m.compared = true;
 }
 
+/// The law of a fabric file ends at twice the length.
+void require_extensions(const Sheet& sheet) {
+  constexpr double most = 0.99;
+  for (const Measurement& m : sheet.measurements)
+    if (m.instrument.kind == Kind::extension && m.figure.mean > most)
+      sheet.fail(m.line, m.name,
+                 fmt::format("{:g} % is more than a fabric has; check the unit", 100.0 * m.figure.mean));
+}
+
 /// Extensions of FAST: two are a secant, with that at 100 gf/cm they are a curve.
 void gather_extensions(Sheet& sheet, int number) {
   const Direction direction = number == 1 ? Direction::warp : Direction::weft;
@@ -307,6 +316,7 @@ void settle(Sheet& sheet, const toml::table& root) {
   settle_width(sheet, root, "bending_length", Kind::bending_length);
   settle_heart_loop(sheet, root);
   mark_compared(sheet);
+  require_extensions(sheet);
   gather_extensions(sheet, 1);
   gather_extensions(sheet, 2);
   settle_tension(sheet, Direction::warp, "warp");

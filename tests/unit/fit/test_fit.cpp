@@ -272,6 +272,10 @@ TEST_CASE("a fit that the data cannot determine is refused by name") {
   CHECK(has(fit_error(head + "[kes]\nB = 0.1\n"), "areal_density: it is missing"));
   CHECK(has(fit_error(head + "[kes]\nW = 20\n"), "nothing here determines the bending stiffness"));
   CHECK(has(fit_error(head + "[kes]\nW = 20\nB = 0.1\nEMT = 5\n"), "EMT and one of WT and LT are needed"));
+  for (const char* extension : {"100", "400"})
+    CHECK(has(fit_error(head + "[kes]\nW = 20\nB = 0.1\nG = 0.5\nLT = 0.6\nEMT = " + extension + "\n"),
+              "more than a fabric has"));
+  CHECK(has(fit_error(head + "[fast]\nW = 200\nE5-1 = 50\nE20-1 = 120\n"), "more than a fabric has"));
   CHECK(has(fit_error(head + "[kes]\nW = 20\nB = 0.1\n2HG5 = 1\n"), "2HG, the loop at 0.5 degrees"));
   CHECK(has(fit_error(head + "[kes]\nW = 20\nB = 0.1\nEMT = 5\nLT = 1.3\n"), "tension_curve.warp"));
   CHECK(has(fit_error(head + "[kes]\nW = 20\nB = 0.1\nEMT = 5\nLT = 0.1\n"), "so steep an end"));
