@@ -57,10 +57,12 @@ def _products(first: Modes, second: Modes) -> tuple[Array, Array, Array, Array]:
     if np.array_equal(mesh.triangles, other.triangles) and np.allclose(x, y, rtol=0, atol=1e-9 * float(np.ptp(x, axis=0).max())):
         if all("mode_times_mass" in r[0] for r in (one, two)):
             ma, mb = (np.array([step["mode_times_mass"] for step in r]) for r in (one, two))
-    elif len(x) <= len(y):
-        mb = b = _at_points(b, other, x)
-    else:
-        ma = a = _at_points(a, mesh, y)
+    else:  # each must lie on the other: a part of a shape is another shape
+        a_there, b_here = _at_points(a, mesh, y), _at_points(b, other, x)
+        if len(x) <= len(y):
+            mb = b = b_here
+        else:
+            ma = a = a_there
     a, b, ma, mb = (m.reshape(len(m), -1) for m in (a, b, ma, mb))
     return a @ mb.T, ma @ b.T, a @ ma.T, b @ mb.T
 

@@ -152,10 +152,12 @@ ModeComparison compare(const ModeSet& first, const ModeSet& second, double near)
   c.same_mesh = same_mesh(first.mesh, second.mesh);
   c.by_mass = c.same_mesh && first.mass_shapes.size() > 0 && second.mass_shapes.size() > 0;
   Eigen::MatrixXd a = first.shapes, b = second.shapes;
-  if (!c.same_mesh && first.mesh.positions.size() <= second.mesh.positions.size())
-    b = at_points(second, first.mesh.positions, first);
-  else if (!c.same_mesh)
-    a = at_points(first, second.mesh.positions, second);
+  if (!c.same_mesh) {  // each must lie on the other: a part of a shape is another shape
+    Eigen::MatrixXd at_first = at_points(second, first.mesh.positions, first),
+                    at_second = at_points(first, second.mesh.positions, second);
+    const bool few = first.mesh.positions.size() <= second.mesh.positions.size();
+    (few ? b : a) = std::move(few ? at_first : at_second);
+  }
   const Eigen::MatrixXd &ma = c.by_mass ? first.mass_shapes : a, &mb = c.by_mass ? second.mass_shapes : b;
   const Products p{a.transpose() * mb, ma.transpose() * b, a.transpose() * ma, b.transpose() * mb};
   c.mac = p.cross.cwiseProduct(p.back);

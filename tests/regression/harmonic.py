@@ -278,6 +278,10 @@ def compared_modes(report):
     buckling["support"] = [{"type": "hinged", "group": "left"}] + [
         {"type": "displacement", "group": g, "components": ["z"]} for g in ("right", "bottom", "top")]
     buckled = solve("compare_buckling", buckling)
+    part = solve("compare_part", plate(0, 6) | {"mesh": plate(0, 6)["mesh"] | {"scale": 0.6}})
+    for pair in ((one, part), (part, one)):
+        code, text = invoke(["compare", *(str(r.folder) for r in pair)])
+        report.check(code == 2 and "the two shapes differ" in text, f"a part of a shape: code {code}")
     for folder, wanted in ((curved.folder, "the two shapes differ"), (buckled.folder, "compare runs of one analysis"),
                            (OUT / "nothing", "there are no modes"), (two.folder, "the file is there already")):
         code, text = invoke(["compare", str(one.folder), str(folder), "--output", str(table)]
