@@ -270,9 +270,13 @@ void fail_in_line(const std::string& file, std::size_t line, const std::string& 
 }
 
 bool parse_number(const std::string& word, double& number) {
+  std::string text = word;
+  const std::size_t exponent = text.find_first_of("dD");  // of Fortran: 1.0D+2
+  if (exponent != std::string::npos && exponent > 0 && text.find_first_of("xX") == std::string::npos)
+    text[exponent] = 'e';
   char* end = nullptr;
-  number = std::strtod(word.c_str(), &end);
-  return !word.empty() && end == word.c_str() + word.size() && std::isfinite(number);
+  number = std::strtod(text.c_str(), &end);
+  return !text.empty() && end == text.c_str() + text.size() && std::isfinite(number);
 }
 
 bool parse_integer(const std::string& word, long& number) {

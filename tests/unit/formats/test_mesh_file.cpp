@@ -147,7 +147,7 @@ TEST_CASE("a polygon of a mesh that is not convex is split without covering its 
 }
 
 TEST_CASE("Abaqus: lines are curves, second order is split, what is no sheet is left out with a note") {
-  const std::string nodes = "*NODE\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n5,.5,0\n6,1,.5\n7,.5,1\n8,0,.5\n9,.5,.5\n";
+  const std::string nodes = "*NODE\n1,0,0\n2,0.1D+1,0\n3,1d0,1\n4,0,1\n5,.5,0\n6,1,.5\n7,.5,1\n8,0,.5\n9,.5,.5\n";
   const mesh::MeshData gmsh = read(
       ".inp",
       nodes +
