@@ -23,8 +23,8 @@ std::string describe(const system::FreePiece& piece, Index all) {
                                                           place_text(piece.centre));
   if (piece.motions() == 6 && piece.translations == 3) return text + ": nothing holds it (6 free rigid-body motions)";
   text += fmt::format(": {} free rigid-body motion(s)", piece.motions());
-  if (piece.translations > 0)
-    text += fmt::format(", {} translation(s) along {}", piece.translations, join(axes, " and "));
+  if (piece.translations > 0) text += fmt::format(", {} translation(s)", piece.translations);
+  if (piece.translations > 0 && !axes.empty()) text += " along " + join(axes, " and ");
   if (piece.rotations > 0) text += fmt::format(", {} rotation(s)", piece.rotations);
   return text;
 }
@@ -52,14 +52,24 @@ std::vector<system::Spring> all_springs(const input::Case& c) {
   return springs;
 }
 
+/// What hangs on threads swings as a pendulum: loads end that as they end a turn.
+std::vector<system::Spring> as_threads(std::vector<system::Spring> springs) {
+  for (system::Spring& s : springs)
+    if (s.kind == system::Spring::Kind::pair) s.length = 0.0;
+  return springs;
+}
+
 }  // namespace
 
 std::vector<std::string> check_free_motions(const input::Case& c, const system::Model& model) {
-  const std::vector<system::FreePiece> free =
-      system::free_pieces(model.dofs().mesh(), model.discretisation().constraints(), all_springs(c));
+  const auto pieces = [&](const std::vector<system::Spring>& springs) {
+    return system::free_pieces(model.dofs().mesh(), model.discretisation().constraints(), springs);
+  };
+  const std::vector<system::FreePiece> free = pieces(all_springs(c));
   if (free.empty()) return {};
   Index drifting = 0;  // triangles
-  for (const system::FreePiece& piece : free) drifting += piece.translations > 0 ? piece.triangles : 0;
+  for (const system::FreePiece& piece : pieces(as_threads(all_springs(c))))
+    drifting += piece.translations > 0 ? piece.triangles : 0;
   const std::string what = list(free, model.dofs().mesh().triangle_count());
   const bool drifts = drifting > 0, moves = c.analysis == input::Analysis::dynamic || c.vibrates();
   // Pieces that touch only each other still drift.

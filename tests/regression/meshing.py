@@ -593,6 +593,20 @@ def sheet_formats(report):
     report.check(abs(other / found[0]) > 1.2, f"it bends by {found[0]:.4g} m, with another axis by {other:.4g} m")
 
 
+def two_pieces(file):
+    """Squares one above the other, 10 mm apart: left is held, a and b are the edges that face each other."""
+    file.write_text("""SetFactory("OpenCASCADE");
+Rectangle(1) = {0, 0, 0, 1, 0.5};
+Rectangle(2) = {0, -0.51, 0, 1, 0.5};
+Physical Curve("left") = {3};
+Physical Curve("b") = {1};
+Physical Curve("a") = {7};
+Physical Surface("plate") = {1, 2};
+MeshSize { PointsOf{ Surface{1, 2}; } } = 0.25;
+""")
+    return file
+
+
 @test
 def nothing_held(report):
     """Statics of a sheet that nothing holds ends with code 2 before anything is factorised; motion and modes take it."""
@@ -612,6 +626,12 @@ def nothing_held(report):
     case["support"] = [{"type": "hinged", "group": "left"}]
     code, text = invoke(["check", write_case(case, OUT / "hinged.toml")])
     report.check(code == 0 and "1 free rigid-body motion(s), 1 rotation(s)" in text, f"hung by one edge: code {code}, a note")
+    threads = case | {"support": [{"type": "hinged", "group": "left"}], "spring": [{"type": "pair", "group": "a", "to": "b", "stiffness": 20.0, "length": 0.01}],
+                      "mesh": {"file": str(two_pieces(OUT / "threads.geo"))}, "probe": [], "analysis": "drape"}
+    code, text = invoke(["check", write_case(threads, OUT / "threads.toml")])
+    report.check(code == 0 and "only loads can hold that" in text, f"a piece that hangs on threads: code {code}: {text.strip()[-150:]}")
+    code, text = invoke(["check", write_case(threads | {"analysis": "linear"}, OUT / "threads.toml")])
+    report.check(code == 2 and "translation(s)" in text and "along ," not in text, f"linear analysis knows no pendulum: code {code}: {text.strip()[-150:]}")
     case |= {"support": [], "analysis": "modal"}
     case["material"][0]["density"] = 7800
     code, text = invoke(["check", write_case(case, OUT / "free_modes.toml")])
