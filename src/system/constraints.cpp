@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -61,6 +62,25 @@ std::vector<mesh::MirrorSide> boundary_sides(const mesh::SurfaceMesh& mesh, cons
   return sides;
 }
 
+/// Normal of the plane of a curve that is all but straight, along the axis, as the edge of a plate with a small imperfection; nothing
+/// where its vertices are off a line by no more than round-off, or to all sides.
+std::optional<Vec3> plane_of_bow(const mesh::SurfaceMesh& mesh, const mesh::Group& group, const Vec3& centre,
+                                 const Vec3& axis) {
+  constexpr double round_off = 1e-9, plane = 1e-3;
+  const auto off = [&](Index v) {
+    const Vec3 d = mesh.positions()[v] - centre;
+    return Vec3(d - axis.dot(d) * axis);
+  };
+  Vec3 most = Vec3::Zero();
+  for (const Index v : group.vertices)
+    if (off(v).squaredNorm() > most.squaredNorm()) most = off(v);
+  if (most.norm() <= round_off * mesh.extent()) return std::nullopt;
+  const Vec3 normal = axis.cross(most).normalized();
+  const auto lies = [&](Index v) { return std::abs(normal.dot(off(v))) <= plane * most.norm(); };
+  if (!std::all_of(group.vertices.begin(), group.vertices.end(), lies)) return std::nullopt;
+  return normal;
+}
+
 /// Normal of the plane that holds the group; for a straight edge of a flat surface its in-plane normal.
 Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
                      const std::vector<mesh::MirrorSide>& sides, const Support& support) {
@@ -75,22 +95,24 @@ Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
   }
   const Spectrum inertia = spectrum(moment);
   const double largest = inertia.values[2];
+  const Vec3 flattest = inertia.vectors.col(0);
+  // A mirror plane crosses the sheet.
+  constexpr double along_sheet = 0.7;
+  const bool crosses = std::any_of(sides.begin(), sides.end(), [&](const mesh::MirrorSide& m) {
+    return std::abs(flattest.dot(mesh.start_normal(m.triangle))) <= along_sheet;
+  });
   if (inertia.values[1] > 1e-10 * largest) {
     if (inertia.values[0] > 1e-10 * largest)
       throw UserError(name_of(support) +
                       ": the group's vertices do not lie in a plane; write a [[support]] for each plane, or give "
                       "the `normal` of the one plane");
-    Vec3 normal = inertia.vectors.col(0);
-    // A mirror plane crosses the sheet.
-    constexpr double along_sheet = 0.7;
-    if (std::all_of(sides.begin(), sides.end(), [&](const mesh::MirrorSide& m) {
-          return std::abs(normal.dot(mesh.start_normal(m.triangle))) > along_sheet;
-        }))
+    if (!crosses)
       throw UserError(name_of(support) +
-                      ": its edges run in several directions of a flat sheet; write a [[support]] for each straight "
-                      "edge");
-    return normal;
+                      ": its edges lie on several lines of a flat sheet; write a [[support]] for each straight edge");
+    return flattest;
   }
+  if (const std::optional<Vec3> plane = plane_of_bow(mesh, group, centre, inertia.vectors.col(2)))
+    if (std::abs(plane->dot(mesh.start_normal(sides.front().triangle))) <= along_sheet) return *plane;
   Vec3 normal = Vec3::Zero();
   for (const mesh::MirrorSide& m : sides) {
     // On a curved surface the facets along a straight edge only approximate the tangent plane.

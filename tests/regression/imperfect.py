@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from common import drape_script, fresh, strip
+from common import drape_script, fresh, plate, strip
 from harness import OUT, Failure, solve, test
 from solver import ROOT, Result, invoke, run, write_case
 
@@ -161,6 +161,11 @@ def imperfect_mirror(report):
     if right.code != 0:
         raise Failure(right.text)
     report.check(True, "a mode with the same supports")
+    for height in (1e-9, 1e-7, 1e-6, 1e-5, 1e-3):
+        flat = plate(8, 1.0) | {"support": [{"type": "hinged", "group": "left"}, {"type": "symmetry", "group": "bottom"}, {"type": "symmetry", "group": "top"}],
+                                "imperfection": [{"type": "expression", "height": f"{height}*cos(2*x)"}]}
+        code, said = invoke(["check", write_case(flat, OUT / "imperfect_strip.toml")])
+        report.check(code == 0, f"straight edges that are {height:g} m off: code {code}, {said.strip()[-200:] if code else ''}")
 
 
 @test
