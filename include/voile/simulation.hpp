@@ -126,7 +126,8 @@ class VOILE_API Simulation {
   [[nodiscard]] Field field(const std::string& name) const;
   [[nodiscard]] History history() const;
   [[nodiscard]] Energy energy() const;
-  /// Frequencies [Hz] or critical load factors, lowest first. Of modal and buckling analyses, after run(). Not collective.
+  /// Frequencies [Hz] or critical load factors, lowest first. Of modal and buckling analyses, after run(); throws UserError
+  /// otherwise. Not collective.
   [[nodiscard]] std::vector<double> eigenvalues() const;
 
   // ---- coupling

@@ -288,7 +288,8 @@ void declare_arrays(py::class_<Held>& c) {
           "energy", [](Held& s) { return s->energy(); }, "Energies of the present state [J].")
       .def(
           "eigenvalues", [](Held& s) { return rows(s->eigenvalues(), 1); },
-          "Frequencies [Hz] or critical load factors, lowest first. Of modal and buckling analyses, after run().");
+          "Frequencies [Hz] or critical load factors, lowest first. Of modal and buckling analyses, after run(); "
+          "raises UserError otherwise.");
 }
 
 void declare_coupling(py::class_<Held>& c) {

@@ -106,7 +106,9 @@ Energy Simulation::energy() const {
 
 std::vector<double> Simulation::eigenvalues() const {
   const auto& ended = impl_->run->summaries();
-  return ended.empty() ? std::vector<double>{} : ended.back().second.eigen;
+  if (ended.empty() || ended.back().second.eigen.empty())
+    throw UserError("there are no eigenvalues: call run(), of a case with analysis = \"modal\" or \"buckling\"");
+  return ended.back().second.eigen;
 }
 
 // ---- coupling ----------------------------------------------------------------------------------------------------------

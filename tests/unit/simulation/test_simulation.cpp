@@ -109,6 +109,7 @@ TEST_CASE("frequencies after a run") {
   Case c = strip("modal");
   c.set("eigen.modes", 2);
   Simulation s(PETSC_COMM_WORLD, c);
+  CHECK_THROWS_AS((void)s.eigenvalues(), UserError);
   CHECK(s.run());
   // 1.8751^2 sqrt(E I / m) / 2 pi
   REQUIRE(s.eigenvalues().size() == 2);
