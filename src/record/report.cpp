@@ -78,8 +78,10 @@ std::string resolved_text(const input::Case& c, const Summary& s) {
   const bool late =
       c.analysis == input::Analysis::statics && e.whole <= error_limit && s.largest_recovery_error > error_limit;
   if (late) parts += fmt::format("; on the way the energy is off by {}", up_to_text(s.largest_recovery_error));
-  return fmt::format("{}{}: by estimate the energy is off by {}{}", verdict(e.whole), late ? " at the end" : "",
-                     percent_text(e.whole), parts);
+  const bool spurious = s.membrane_error > error_limit;
+  if (spurious) parts += fmt::format("; {} of it should not be there", up_to_text(s.membrane_error));
+  return fmt::format("{}{}: by estimate the energy is off by {}{}", verdict(spurious ? s.membrane_error : e.whole),
+                     late ? " at the end" : "", percent_text(e.whole), parts);
 }
 
 /// Which ply fails first; empty without strengths.

@@ -110,13 +110,16 @@ Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, con
 
 std::string Warnings::membrane_text() const {
   if (!(largest_error_ > error_limit)) return "";
-  // What is spurious stands in the stored energy too: of a fraction f of it, deflections are too small by f/(1 + f).
+  // Spurious energy of chords stiffens a sheet that stretches: of a fraction f, deflections are too small by f/(1 + f). What bends
+  // in its plane is as soft as its energy: by f.
+  const double error = is_corrected_ ? largest_error_ : largest_error_ / (1.0 + largest_error_);
   return fmt::format(
       "{} {} of the stored energy: deflections may be too small by {}; use a finer mesh, or "
-      "cells that are less stretched and uneven (summary.json: membrane_error; field membrane_error)",
+      "cells that are less stretched and uneven{} (summary.json: membrane_error; field membrane_error)",
       is_corrected_ ? "second derivatives within the surface, and what the correction of chords leaves, take"
                     : "spurious membrane strains of straight chords between vertices take",
-      up_to_text(largest_error_), up_to_text(largest_error_ / (1.0 + largest_error_)));
+      up_to_text(largest_error_), up_to_text(error),
+      is_corrected_ ? "; where thick strips bend in their plane, element.type = \"angles\"" : "");
 }
 
 }  // namespace voile::record

@@ -68,7 +68,7 @@ std::string answer_to(const StoredResults& results, const std::vector<std::strin
     return bytes_of(words);
   }
   const auto info = std::find_if(all.begin(), all.end(), [&](const FieldInfo& f) { return f.name == request.at(3); });
-  if (info == all.end()) throw UserError(fmt::format("step {} has no field '{}' any more", step, request[3]));
+  if (info == all.end()) throw UserError(fmt::format("step {} has no field '{}'", step, request[3]));
   return bytes_of(results.values(step, *info, number(2)));
 }
 

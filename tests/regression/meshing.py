@@ -154,6 +154,16 @@ def unresolved(report):
             fields = result.results[-1]
             report.check(all(fields[f"{part}_recovery_error"].min() >= 0 for part in ("membrane", "bending"))
                          and fields["bending_recovery_error"].max() > fields["membrane_recovery_error"].max(), "the fields say where")
+    # A thick strip that bends in its plane, at any mesh.
+    width, thickness, young = 0.1, 0.05, 7e10
+    thick = {"analysis": "linear", "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 1.0, "width": width, "nx": 60, "ny": 6}},
+             "material": [{"type": "isotropic", "young": young, "poisson": 0.0, "thickness": thickness}], "support": [{"type": "clamped", "group": "clamp"}],
+             "load": [{"type": "line", "group": "tip", "vector": [0, 100.0, 0]}], "probe": [{"name": "tip", "type": "displacement", "group": "tip", "components": ["y"]}]}
+    result = solve("unresolved_thick", thick)
+    force, inertia, area = 100.0 * width, thickness * width**3 / 12, thickness * width
+    short = 1 - result.history["tip_y"][-1] / (force / (3 * young * inertia) + 1.2 * force / (0.5 * young * area))
+    report.percent(result.summary["membrane_error"] / short, 0.05, f"a strip that bends in its plane is {100 * short:.0f} % too stiff: membrane_error")
+    report.check("\nnot resolved" in result.text and f"too small by up to {100 * result.summary['membrane_error']:.0f} %" in result.text and '"angles"' in result.text, f"and is told so: {result.text[-900:] if 'angles' not in result.text else ''}")
 
 
 PLATE_DECK = """*Heading
