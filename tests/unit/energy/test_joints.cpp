@@ -448,7 +448,7 @@ TEST_CASE("a hinge folds by its angle, towards the normals, without force") {
       });
       model.residual(a, r);
       CHECK(norm(r) < 1e-9 * held);
-      CHECK(std::abs(model.energy(a)) < 1e-12 * stored);
+      CHECK(std::abs(model.energy(a)) < 1e-11 * stored);  // round-off of larger parts that cancel
     }
 }
 
