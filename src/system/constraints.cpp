@@ -95,7 +95,7 @@ Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
   }
   const Spectrum inertia = spectrum(moment);
   const double largest = inertia.values[2];
-  const Vec3 flattest = inertia.vectors.col(0);
+  Vec3 flattest = inertia.vectors.col(0);
   // A mirror plane crosses the sheet.
   constexpr double along_sheet = 0.7;
   const bool crosses = std::any_of(sides.begin(), sides.end(), [&](const mesh::MirrorSide& m) {
