@@ -26,7 +26,7 @@ double thickness(const Material& m) {
 
 /// What vertices of the boundary know.
 struct Rim {
-  int edges = 0, mirrored = 0;
+  int edges = 0;
   double length = 0.0, angle = 0.0, thickness = 0.0;  ///< of both edges together; inside the sheet
 };
 
@@ -59,9 +59,7 @@ class Search {
     for (Index t = 0; t < mesh_.triangle_count(); ++t)
       for (int i = 0; i < 3; ++i) {
         Rim& rim = rims_[place(mesh_.triangles()[t][i])];
-        if (rim.edges == 0) continue;
-        for (const int s : {(i + 1) % 3, (i + 2) % 3})
-          if (mesh_.neighbour(t, s) == no_index && sheet_.patches().apex(t, s) != no_index) ++rim.mirrored;
+        if (rim.edges != 2) continue;
         const Vec3 a = mesh_.rest_corner(t, (i + 1) % 3) - mesh_.rest_corner(t, i),
                    b = mesh_.rest_corner(t, (i + 2) % 3) - mesh_.rest_corner(t, i);
         rim.angle += std::atan2(a.cross(b).norm(), a.dot(b));
@@ -118,11 +116,9 @@ class Search {
 
   /// Of the arc there, if it counts; else 0.
   [[nodiscard]] static double radius_at(const Rim& rim) {
-    // An arc that ends on a mirror plane goes on beyond it.
-    const bool half = rim.edges == 1 && rim.mirrored == 1;
-    const double turn = (half ? 2.0 : 1.0) * rim.angle - std::numbers::pi;
-    if ((rim.edges != 2 && !half) || turn < straight || turn > corner) return 0.0;
-    const double radius = (half ? 1.0 : 0.5) * rim.length / turn;
+    const double turn = rim.angle - std::numbers::pi;
+    if (rim.edges != 2 || turn < straight || turn > corner) return 0.0;
+    const double radius = 0.5 * rim.length / turn;
     return radius < thicknesses * rim.thickness ? radius : 0.0;
   }
 
