@@ -323,11 +323,16 @@ std::string LastingChild::ask(const std::string& request) {
   if (n.pid < 0) n.start();
   char first = '\0';
   if (!n.send_request(request) || !read_exactly(n.descriptor, &first, 1)) explain_end(n.file, n.end());
+  const auto answer = static_cast<Answer>(first);
   std::size_t count = 0;
-  std::string bytes;
-  if (read_exactly(n.descriptor, reinterpret_cast<char*>(&count), sizeof count)) bytes.resize(count);
+  if (!read_exactly(n.descriptor, reinterpret_cast<char*>(&count), sizeof count)) {
+    const int status = n.end();
+    if (answer == Answer::done) explain_end(n.file, status);
+    return result_of(n.file, answer, "");  // without memory for more than that word
+  }
+  std::string bytes(count, '\0');
   if (!read_exactly(n.descriptor, bytes.data(), bytes.size())) explain_end(n.file, n.end());
-  return result_of(n.file, static_cast<Answer>(first), std::move(bytes));
+  return result_of(n.file, answer, std::move(bytes));
 }
 
 std::string run_beside(const std::string& file, const std::string& program, const std::vector<std::string>& words) {
