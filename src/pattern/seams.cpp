@@ -269,7 +269,7 @@ class Resolver {
     if (r.sense == Sense::against) b = reversed(b);
     const double taken = r.sense == Sense::against ? turned : as_is, other = r.sense == Sense::against ? as_is : turned;
     if (r.sense == Sense::nearest) {
-      Side& side = is_closed(b) && !is_closed(a) ? a : b;  // the points that are told, as `meet`, then mean this way
+      Side& side = is_closed(b) && !is_closed(a) ? a : b;  // the points that the note names mean this way
       if (turned < as_is) side = reversed(side);
       found_.notes.push_back(fmt::format(
           "seam '{}': {}@{} meets {}@{}, which is the shorter way at the start ({:.3g} m on average, {:.3g} m "
