@@ -110,8 +110,8 @@ Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, con
 
 std::string Warnings::membrane_text() const {
   if (!(largest_error_ > error_limit)) return "";
-  // Spurious energy of chords stiffens a sheet that stretches: of a fraction f, deflections are too small by f/(1 + f). What bends
-  // in its plane is as soft as its energy: by f.
+  // Under given loads deflections are too small by the fraction f of the energy. Straight chords stiffen a sheet that stretches where
+  // it may, which then stores more: f/(1 + f).
   const double error = is_corrected_ ? largest_error_ : largest_error_ / (1.0 + largest_error_);
   return fmt::format(
       "{} {} of the stored energy: deflections may be too small by {}; use a finer mesh, or "

@@ -6,6 +6,7 @@ import numpy as np
 from common import fresh
 from harness import OUT, solve, test
 from panels import Panels
+from shapes import write_msh
 from solver import ROOT, run, write_case
 
 YOUNG, POISSON, THICKNESS, DENSITY = 1.2e6, 0.3, 0.1, 100.0
@@ -182,6 +183,17 @@ def periodic_film(report):
         z = end.displacement()[:, 2]
         report.percent((z.max() - z.min()) / 2 * k / 2 / math.sqrt(2 * critical), 0.04, f"{imperfection['type']}: height of the waves, {ranks} ranks")
         report.below(abs(z.max() + z.min()) / z.max(), 0.05, "as high as deep")
+    # A corrugated cell, cut on its slope: heights go along the mean normal of both sides.
+    n, m = 10, 4
+    points = np.array([(x, y, 0.1 * math.sin(2 * math.pi * x + 1)) for y in np.linspace(0, 0.4, m + 1) for x in np.linspace(0, 1, n + 1)])
+    at = lambda i, j: j * (n + 1) + i  # noqa: E731
+    cells = np.array([t for j in range(m) for i in range(n) for t in ((at(i, j), at(i + 1, j), at(i + 1, j + 1)), (at(i, j), at(i + 1, j + 1), at(i, j + 1)))])
+    ends = [(name, 1, [(at(i, j), at(i, j + 1)) for j in range(m)]) for name, i in (("from", 0), ("to", n))]
+    waved = {"analysis": "modal", "mesh": {"file": str(write_msh(OUT / "corrugated.msh", points, [*ends, ("sheet", 2, cells)]))}, "material": [PLATE | {"thickness": 0.01}],
+             "periodic": [{"from": "from", "to": "to"}], "imperfection": [{"type": "expression", "height": "0.02"}], "eigen": {"modes": 8}}
+    moved = solve("periodic_corrugated", waved).results[-1].mesh.positions - points
+    report.below(np.abs(np.linalg.norm(moved, axis=1) / 0.02 - 1).max(), 0.05, "a corrugated cell moves by the height everywhere")
+    report.below(np.abs(moved[[at(0, j) for j in range(m + 1)]] - moved[[at(n, j) for j in range(m + 1)]]).max(), 1e-12, "alike on both curves")
 
 
 @test
