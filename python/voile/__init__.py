@@ -3,8 +3,8 @@
     from voile import Case, Results, run
     from voile import Simulation
 
-Results need NumPy and h5py only. Simulation, UserError, InternalError and OutOfMemory need the binding voile._core, which is loaded
-when one of them is first asked for.
+Results need NumPy and h5py only. Simulation, UserError, InternalError, OutOfMemory and __version__ need the binding voile._core,
+which is loaded when one of them is first asked for.
 """
 
 from typing import Any
@@ -16,7 +16,7 @@ from .results import Mesh, Results, Step
 from .running import Run, run
 
 __all__ = ["Case", "History", "Mesh", "Results", "Run", "Step", "mac", "mac_span", "run"]
-_IN_PROCESS = ("InternalError", "OutOfMemory", "Simulation", "UserError")
+_IN_PROCESS = ("InternalError", "OutOfMemory", "Simulation", "UserError", "__version__")
 
 
 def __getattr__(name: str) -> Any:

@@ -20,6 +20,7 @@ from . import _core
 from ._core import InternalError, OutOfMemory, State, Step, UserError
 from .case import Case
 
+__version__ = str(_core.version)
 __all__ = ["InternalError", "OutOfMemory", "Simulation", "State", "Step", "UserError"]
 
 

@@ -59,8 +59,8 @@ const std::vector<std::string>& stage_tables() {
 }
 
 const std::vector<std::string>& staged_items() {
-  static const std::vector<std::string> names{
-      "support", "load", "temperature", "mass", "spring", "obstacle", "contact_rule", "attachment", "initial_velocity"};
+  static const std::vector<std::string> names{"support", "load",     "temperature",  "mass",       "spring",
+                                              "rigid",   "obstacle", "contact_rule", "attachment", "initial_velocity"};
   return names;
 }
 
@@ -135,7 +135,7 @@ const std::vector<SectionInfo>& sections() {
       {"support", true, "Prescribed displacements and slopes."},
       {"rigid", true,
        "Groups that move as rigid bodies, held and loaded at a reference point (see [hold "
-       "rigidly](../howto/hold-rigidly.md)). Not with contact, stages, panels, [air], `[remesh]` or `drape`."},
+       "rigidly](../howto/hold-rigidly.md)). Not with contact, panels, [air], `[remesh]` or `drape`."},
       {"periodic", true,
        "Pairs of boundary curves along which the sheet repeats itself: see [one cell of a periodic "
        "sheet](../howto/repeat-a-cell.md). Not with contact, stages, panels, masses, hinges, rigid groups, "
@@ -195,7 +195,7 @@ const std::vector<SectionInfo>& sections() {
        "`[stage.eigen]`, `[stage.harmonic]`, "
        "`[stage.damping]`, `[stage.air]`, `[stage.contact]`, `[stage.remesh]` and `[stage.output]`, win over those of "
        "the case, key by "
-       "key. `[[support]]`, `[[load]]`, `[[temperature]]`, `[[mass]]`, `[[spring]]`, `[[obstacle]]`, "
+       "key. `[[support]]`, `[[rigid]]`, `[[load]]`, `[[temperature]]`, `[[mass]]`, `[[spring]]`, `[[obstacle]]`, "
        "`[[contact_rule]]`, "
        "`[[attachment]]` and `[[initial_velocity]]` then take the key `stages`: the names of those in which they hold; "
        "absent: all."},

@@ -23,7 +23,7 @@ bool is_zero(const std::string& text) {
 
 /// Where something may move in this case.
 void require_motion(const SectionPlace& place, const Case& c, const char* key) {
-  if (c.analysis == Analysis::dynamic) return;
+  if (c.analysis == Analysis::dynamic || c.stage.number > 0) return;  // a later stage holds it
   if (c.analysis != Analysis::statics)
     place.fail(key, fmt::format("nothing is moved with analysis = \"{}\"; choose \"static\" or \"dynamic\", or hold it",
                                 word_of(c.analysis)));
@@ -77,9 +77,8 @@ void take_turn(const SectionPlace& place, const Case& c, RigidSection& s) {
 }  // namespace
 
 void read_rigid(const SectionPlace& place, const Case& c, RigidSection& s) {
-  if (c.analysis == Analysis::drape || c.is_staged())
-    place.fail("group", fmt::format("there are no rigid groups {}; use [[support]]",
-                                    c.is_staged() ? "in a case with stages" : "with analysis = \"drape\""));
+  if (c.analysis == Analysis::drape)
+    place.fail("group", "there are no rigid groups with analysis = \"drape\"; use [[support]]");
   if (s.name.empty()) s.name = s.group.group;
   require_column_name(place, s.name);
   for (const RigidSection& other : c.rigids)

@@ -182,6 +182,8 @@ StageSection CaseReader::select_stage(std::size_t n) {
       s.obstacles = std::move(kept);
     else if (section == "spring")
       s.springs = std::move(kept);
+    else if (section == "rigid")
+      s.rigids = std::move(kept);
     else if (section == "attachment")
       s.attachments = std::move(kept);
   }

@@ -4,6 +4,7 @@
 
 #include "base/mpi.hpp"
 #include "system/contact.hpp"
+#include "system/rigid_places.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::remesh {
@@ -29,6 +30,11 @@ void take_bodies(const results::Checkpoint& c, const system::Dofs& dofs, const s
   if (each == 0) return;
   const double found = mpi::max(dofs.comm(), static_cast<double>(c.bodies.size()));
   const bool begins = mpi::max(dofs.comm(), c.displacement.empty() ? 0.0 : 1.0) == 0.0;
+  const bool next_stage = !begins && found == 0.0 && mpi::max(dofs.comm(), c.places.empty() ? 0.0 : 1.0) > 0.0;
+  if (next_stage) {
+    if (s.v) dofs.scatter_bodies(system::rates_at(c.places, dofs.bodies()), s.v);
+    return;
+  }
   // Older files have no velocities one step before.
   if (!begins && found != static_cast<double>(4 * each) && found != static_cast<double>(5 * each))
     throw UserError(
@@ -65,7 +71,10 @@ results::Checkpoint gather(const system::State& s, const system::Model& model) {
   c.previous = values(s.previous);
   c.stiffest = changes(s.stiffest);
   c.stability = system::numbers_of(s.stability);
-  if (!model.dofs().motions().empty()) c.bodies = bodies_of(s, model.dofs());
+  if (!model.dofs().motions().empty()) {
+    c.bodies = bodies_of(s, model.dofs());
+    c.places = system::rigid_places(model.discretisation(), s.u, s.v);
+  }
   c.contact_gaps = s.contact.gaps;
   c.contact_start = s.contact.start;
   c.passing = s.contact.passing;

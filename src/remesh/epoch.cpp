@@ -12,6 +12,7 @@
 #include "solve/single_step.hpp"
 #include "system/attachments.hpp"
 #include "system/contact.hpp"
+#include "system/rigid_places.hpp"
 
 namespace voile::remesh {
 
@@ -57,6 +58,15 @@ bool lets_go_at(const input::Case& stage, double time) {
          std::any_of(stage.attachments.begin(), stage.attachments.end(), now);
 }
 
+/// With rigid groups where the stage has begun. Collective.
+system::ModelInput placed(MPI_Comm comm, const input::Case& stage, system::ModelInput input,
+                          std::vector<double> places) {
+  if (input.rigid.empty()) return input;
+  mpi::broadcast(comm, places);
+  system::put_rigid_groups(places, stage.analysis == input::Analysis::dynamic, input.rigid);
+  return input;
+}
+
 bool goes_on(Origin origin) {
   return origin == Origin::epoch || origin == Origin::mesh || origin == Origin::saved;
 }
@@ -69,7 +79,7 @@ Epoch::Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& m
       end_(end_of_epoch(stage, start.time)),
       supports_(holding_count(input.supports, start.time)),
       attachments_(holding_count(input.attachments, start.time)),
-      model_(comm, mesh, holding(std::move(input), frozen, start.time)),
+      model_(comm, mesh, placed(comm, stage, holding(std::move(input), frozen, start.time), start.places)),
       state_(scatter(start, model_.dofs())) {
   if (stage.analysis == input::Analysis::dynamic || stage.vibrates()) system::require_mass(model_);
   if (lets_go_at(stage, start.time)) state_.a.reset();

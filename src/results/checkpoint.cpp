@@ -93,6 +93,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
   if (!c.bodies.empty()) {
     file.number("/", "bodies_count", static_cast<double>(c.bodies.size()));
     file.dataset("bodies", H5T_NATIVE_DOUBLE, 1, c.bodies.size(), c.bodies.data());
+    file.number("/", "body_places_count", static_cast<double>(c.places.size()));
+    file.dataset("body_places", H5T_NATIVE_DOUBLE, 1, c.places.size(), c.places.data());
   }
   if (!c.leaks.empty()) {
     file.number("/", "leaks_count", static_cast<double>(c.leaks.size()));
@@ -167,6 +169,13 @@ void read_bodies(hid_t file, const std::filesystem::path& path, Checkpoint& c) {
   c.bodies = read_values(file, "bodies", static_cast<std::size_t>(count), path);
   for (const double v : c.bodies)
     if (!std::isfinite(v)) fail_reading(path, "its unknowns of rigid groups make no sense");
+  if (!has(file, "body_places")) return;  // an older file
+  const double places = read_number(file, "/", "body_places_count", path);
+  if (!(places >= 1.0 && places < 1e9 && places == std::floor(places)))
+    fail_reading(path, "its number of places of rigid groups makes no sense");
+  c.places = read_values(file, "body_places", static_cast<std::size_t>(places), path);
+  for (const double v : c.places)
+    if (std::isinf(v)) fail_reading(path, "its places of rigid groups make no sense");
 }
 
 /// Older files have fewer numbers.

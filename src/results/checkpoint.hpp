@@ -26,18 +26,19 @@ struct Checkpoint {
   double contact_start = 0.0;          ///< [s]
   /// Obstacles that each vertex passes through, see system::ContactMemory; empty: none.
   std::vector<double> passing{};
-  std::vector<double> anchors{};               ///< of attachments, see system::numbers_of; empty: none
-  std::vector<double> energy_balance{};        ///< see system::numbers_of; empty: not kept
-  std::vector<double> bodies{};                ///< unknowns of rigid bodies, see simulation/carry; empty: none
-  std::vector<double> slips{};                 ///< see system::Potential::slips; empty: none
-  std::vector<double> leaks{};                 ///< see system::BoundaryConditions::leaks; empty: none
-  std::vector<double> path{};                  ///< system::PathMemory; empty: none
-  std::vector<double> stability{};             ///< system::StabilityMemory; empty: none
-  std::vector<double> stiffest{};              ///< mode of its frequency; empty: none
-  std::vector<double> couplings{};             ///< see system::Model::couplings
-  int remeshings = 0;                          ///< that led to its mesh
-  double too_long = 0.0, too_short = 0.0;      ///< what the last of them left, see system::Remeshings
-  int remeshing_wait = 0, remeshing_step = 0;  ///< Remeshings::wait, next_step
+  std::vector<double> anchors{};                          ///< of attachments, see system::numbers_of; empty: none
+  std::vector<double> energy_balance{};                   ///< see system::numbers_of; empty: not kept
+  std::vector<double> bodies{};                           ///< unknowns of rigid bodies, see remesh/carry; empty: none
+  std::vector<double> places{};                           ///< where these are, see system/rigid_places; empty: none
+  std::vector<double> slips{};                            ///< see system::Potential::slips; empty: none
+  std::vector<double> leaks{};                            ///< see system::BoundaryConditions::leaks; empty: none
+  std::vector<double> path{};                             ///< system::PathMemory; empty: none
+  std::vector<double> stability{};                        ///< system::StabilityMemory; empty: none
+  std::vector<double> stiffest{};                         ///< mode of its frequency; empty: none
+  std::vector<double> couplings{};                        ///< see system::Model::couplings
+  int remeshings = 0;                                     ///< that led to its mesh
+  double too_long = 0.0, too_short = 0.0;                 ///< what the last of them left, see system::Remeshings
+  int remeshing_wait = 0, remeshing_step = 0;             ///< Remeshings::wait, next_step
   int positive_tangents = 0, factors_left = 0, wait = 0;  ///< see system::SolverMemory
 };
 

@@ -13,6 +13,7 @@
 #include "results/stored_step.hpp"
 #include "setup/group_names.hpp"
 #include "setup/mesh_transfer.hpp"
+#include "system/rigid_places.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::simulation {
@@ -111,18 +112,22 @@ void begin_anew(const input::Case& c, results::Checkpoint& s) {
   s.load_factor = 0.0;
 }
 
-/// What a restart takes over silently otherwise. Rank 0 only.
-void say_differences(const input::Case& c, const record::RunOptions& options, const results::Checkpoint& s) {
+/// What a restart, or a stage that begins a run, takes over silently otherwise. Rank 0 only.
+void say_differences(const input::Case& c, const record::RunOptions& options) {
   const std::filesystem::path folder = options.restart.parent_path();
+  const std::string from = options.from.empty() ? "--restart " + options.restart.string()
+                                                : fmt::format("--from {}: {}", options.from, folder.string());
   for (const input::SectionDifference& d : input::different_sections(c, folder / "resolved_case.toml")) {
     if (d.section == "units")
       throw UserError(
-          fmt::format("--restart {}: its run had another {}; its numbers are in those units, so give the "
-                      "case the same [units]",
-                      options.restart.string(), d.text));
-    if (options.verbosity != record::Verbosity::quiet)
-      fmt::print("note: --restart {}: its run had another {}\n", options.restart.string(), d.text);
+          fmt::format("{}: its run had another {}; its numbers are in those units, so give the case the same [units]",
+                      from, d.text));
+    if (options.verbosity != record::Verbosity::quiet) fmt::print("note: {}: its run had another {}\n", from, d.text);
   }
+}
+
+/// What a restart does a little differently. Rank 0 only.
+void say_doubts(const input::Case& c, const record::RunOptions& options, const results::Checkpoint& s) {
   if (options.verbosity == record::Verbosity::quiet) return;
   if (c.analysis == input::Analysis::drape && !s.in_equilibrium)
     fmt::print(
@@ -253,7 +258,8 @@ results::Checkpoint read_start(const input::Case& c, const record::RunOptions& o
   mpi::on_root(options.comm, [&] {
     start = read_any(c, options, mesh);
     check_size(options, start, mesh);
-    if (origin == Origin::restart) say_differences(c, options, start);
+    say_differences(c, options);
+    if (origin == Origin::restart) say_doubts(c, options, start);
     if (origin == Origin::restart) begin_anew(c, start);
     numbers = {static_cast<double>(start.step),
                start.time,
@@ -309,6 +315,8 @@ void enter_stage(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& m
     state.step_start.clear();
     state.path.clear();
     state.energy_balance.clear();
+    state.bodies.clear();
+    system::begin_stage_at(state.time, state.places);
     if (c.analysis != input::Analysis::dynamic && c.analysis != input::Analysis::drape) {
       state.load_factor = 0.0;
       state.in_equilibrium = false;

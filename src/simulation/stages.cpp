@@ -18,6 +18,7 @@
 #include "setup/model_input.hpp"
 #include "solve/load_path.hpp"
 #include "stage_options.hpp"
+#include "stage_rigid.hpp"
 #include "system/dynamics.hpp"
 #include "voile/errors.hpp"
 
@@ -274,12 +275,13 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
     name_modes(options, s.c);
     take_options(options.comm, s.c);
     if (one.stage.continues()) {
-      // A run prints the notes of its first stage, which is this one if it begins here.
       std::vector<std::string> notes = hold_over_supports(stages.back(), s);
       if (const std::string text = sudden_loads(stages.back().c, s.c); !text.empty()) notes.push_back(text);
       hold_over_loads(stages.back(), s);
       hold_over_temperatures(stages.back(), s, notes);
       hold_over_hinges(stages.back(), s, notes);
+      for (std::string& text : hold_over_rigids(&stages.back(), factor_at_end(stages.back().c), s))
+        notes.push_back(std::move(text));
       if (stages.back().c.contact.input.active && one.finds_modes())
         notes.push_back(fmt::format(
             "stage '{}' knows no contact: its modes, and what comes after, are about the equilibrium without obstacles",
@@ -288,6 +290,7 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
       for (const std::string& text : notes)
         for (input::Case* of : {&stages.front().c, &s.c}) of->notes.push_back(text);
     }
+    if (!one.stage.continues()) (void)hold_over_rigids(nullptr, 1.0, s);
     if (!one.stage.attachments.empty() && one.attachments.empty()) {
       const std::string text =
           fmt::format("stage '{}': [[attachment]] holds nothing where there is no contact, with analysis = \"{}\"",
@@ -354,11 +357,15 @@ namespace {
 /// Linear buckling needs what grows; loads of earlier stages are held.
 void require_growth(const input::Case& c, const system::Model& model) {
   const auto load_grows = [](const Load& l) { return !l.constant; };
+  const auto body_is_loaded = [](const input::RigidSection& s) {
+    return !s.group.constant && !(s.group.force.isZero(0.0) && s.group.moment.isZero(0.0));
+  };
   const auto warms = [](const system::Temperature& t) {
     return !t.constant || t.change.in_time || t.difference.in_time;
   };
   if (c.analysis != input::Analysis::buckling || model.conditions().has_prescribed() || !c.hinges.empty() ||
       std::any_of(c.loads.begin(), c.loads.end(), load_grows) ||
+      std::any_of(c.rigids.begin(), c.rigids.end(), body_is_loaded) ||
       std::any_of(c.temperatures.begin(), c.temperatures.end(), warms))
     return;
   throw UserError(

@@ -113,8 +113,11 @@ BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Sup
   dead_on_bodies_ = rigid_.take(dead_);
   always_on_bodies_ = rigid_.take(constant_);
   for (TimedLoad& load : timed_) load.on_bodies = rigid_.take(load.force);
-  const std::vector<BodyForce> at_points = rigid_.forces();
-  for (std::size_t b = 0; b < at_points.size(); ++b) dead_on_bodies_[b].add(1.0, at_points[b]);
+  for (const bool constant : {false, true}) {
+    const std::vector<BodyForce> at_points = rigid_.forces(constant);
+    std::vector<BodyForce>& on_bodies = constant ? always_on_bodies_ : dead_on_bodies_;
+    for (std::size_t b = 0; b < at_points.size(); ++b) on_bodies[b].add(1.0, at_points[b]);
+  }
   VOILE_PETSC(VecDuplicate(constant_, always_.out()));
   VOILE_PETSC(VecCopy(constant_, always_));
 }
@@ -193,7 +196,7 @@ void BoundaryConditions::add_external(double factor, Vec f) const {
   VOILE_PETSC(VecAXPY(f, factor, external_));
   std::vector<BodyForce> on(external_on_bodies_.size());
   for (std::size_t b = 0; b < on.size(); ++b) on[b].add(factor, external_on_bodies_[b]);
-  if (rigid_.any()) rigid_.add(on, 0.0, f);
+  rigid_.add(on, f);
 }
 
 std::vector<BodyForce> BoundaryConditions::on_bodies() const {
@@ -294,7 +297,9 @@ void BoundaryConditions::applied_forces(const energy::Configuration& c, std::vec
   VOILE_PETSC(VecAXPY(f, load_factor_, dead_));
   if (external_) VOILE_PETSC(VecAXPY(f, 1.0, external_));
   for (const Gas& gas : gases_) gas.add_force(c, scratch, f);
-  if (rigid_.any()) rigid_.add(on_bodies(), load_factor_, f);
+  if (!rigid_.any()) return;
+  rigid_.add(on_bodies(), f);
+  rigid_.add_moments(load_factor_, true, f);
 }
 
 double BoundaryConditions::potential(const energy::Configuration& c, Vec a) const {
@@ -311,7 +316,8 @@ void BoundaryConditions::load_direction(const energy::Configuration& c, std::vec
   VOILE_PETSC(VecCopy(dead_, f));
   for (std::size_t k = 0; k < gases_.size(); ++k)
     if (gas_factors_[k] == energy::FollowerTerm::load_factor) gases_[k].add_direction(c, scratch, f);
-  rigid_.add(dead_on_bodies_, 1.0, f);
+  rigid_.add(dead_on_bodies_, f);
+  rigid_.add_moments(1.0, false, f);
   if (!any_follower_) return;
   // Follower loads are linear in the load factor: a difference over one unit is exact.
   for (const double sign : {1.0, -1.0}) {

@@ -110,7 +110,7 @@ class BoundaryConditions {
   [[nodiscard]] std::vector<energy::EdgeBend> edge_bends() const;
   /// The same of bodies without any forces.
   void add_free_body_blocks(const BlockMatrix& tangent, const BlockMatrix::Values& values) {
-    if (rigid_.any()) rigid_.add_blocks(std::vector<BodyForce>(always_on_bodies_.size()), 0.0, tangent, values);
+    if (rigid_.any()) rigid_.add_blocks(std::vector<BodyForce>(always_on_bodies_.size()), {}, tangent, values);
   }
   /// In the order of the loads (gas.hpp).
   [[nodiscard]] const std::vector<Gas>& gases() const { return gases_; }

@@ -39,6 +39,13 @@ struct Support {
   std::function<Mat3(double time)> rotation;
 };
 
+/// Where a rigid group is as a stage begins: its keys count from there.
+struct RigidPlace {
+  Vec3 displacement = Vec3::Zero();                 ///< of the reference point since the start of the run [m]
+  Eigen::Vector4d turn = Eigen::Vector4d::UnitX();  ///< unit quaternion, q_0 first: tells turns of up to 4 pi apart
+  std::optional<double> time;  ///< at which `motion` and `angle` are nothing [s]; absent: they count from the start
+};
+
 /// A group whose vertices move as one rigid body (rigid_bodies.hpp), held and loaded at its reference point.
 struct RigidGroup {
   enum class Turn {
@@ -56,7 +63,9 @@ struct RigidGroup {
   std::function<double(double time)> angle;  ///< prescribed about the axis [rad]; empty: free, or held
   Vec3 force = Vec3::Zero();                 ///< at the reference point, dead, at load factor 1 [N]
   Vec3 moment = Vec3::Zero();                ///< about it, of a fixed direction, at load factor 1 [N m]
+  bool constant = false;                     ///< force and moment are these at any load factor
   double mass = 0.0;                         ///< at the reference point [kg]
+  RigidPlace place;
 };
 
 /// Two boundary curves along which a periodic sheet continues (ties.hpp).

@@ -113,6 +113,7 @@ class Dofs {
   /// Local vertices that carry the unknowns of a body.
   [[nodiscard]] const std::array<Index, 3>& carriers(std::size_t body) const { return bodies_[body].carriers; }
   [[nodiscard]] std::size_t body_unknowns() const { return 9 * bodies_.size(); }
+  [[nodiscard]] const std::vector<RigidBody>& bodies() const { return *bodies_of_mesh_; }
   /// Unknowns of all bodies, nine each, on rank 0; the other way round. Collective.
   [[nodiscard]] std::vector<double> gather_bodies(Vec a) const;
   void scatter_bodies(const std::vector<double>& unknowns, Vec a) const;

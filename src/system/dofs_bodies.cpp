@@ -128,7 +128,7 @@ RateFit rate_fit(const mesh::SurfaceMesh& mesh, const RigidBody& body, const std
   RateFit fit{Eigen::MatrixXd(rows, 6), Eigen::VectorXd(rows)};
   Eigen::Index row = 0;
   for (const Index v : vertices) {
-    const Vec3 arm = mesh.positions()[v] - body.point;
+    const Vec3 arm = mesh.positions()[v] - body.point;  // rates are given before anything has turned
     fit.map.block<3, 3>(row, 0).setIdentity();
     for (int k = 0; k < 3; ++k) fit.map.block<3, 1>(row, 3 + k) = Vec3::Unit(k).cross(arm);
     fit.values.segment<3>(row) = Eigen::Map<const Vec3>(velocity.data() + 3 * static_cast<std::size_t>(v));

@@ -30,9 +30,20 @@ Eigen::Matrix4d moment_form(const Vec3& m) {
   return s;
 }
 
+/// The rotation vector of a quaternion of any length.
+Vec3 vector_of(const Quaternion& q) {
+  const Vec3 p = q.tail<3>();
+  const double size = p.norm();
+  return size > 0.0 ? Vec3(2.0 * std::atan2(size, q[0]) / size * p) : Vec3(Vec3::Zero());
+}
+
 }  // namespace
 
-RigidMotion::RigidMotion(const RigidBody& body) : length_(body.length), stiffness_(body.stiffness) {
+RigidMotion::RigidMotion(const RigidBody& body)
+    : length_(body.length),
+      stiffness_(body.stiffness),
+      place_(body.place),
+      first_(Mat3::Identity() + form(place_.turn, place_.turn)) {
   map_.setZero();
   map_.block<3, 3>(1, 0) = body.basis / length_;
   map_(0, 3) = 1.0 / length_;
@@ -40,24 +51,35 @@ RigidMotion::RigidMotion(const RigidBody& body) : length_(body.length), stiffnes
 }
 
 void RigidMotion::set(const Vec3& b0, const Vec3& b1, const Vec3& b2) {
-  displacement_ = b0;
+  displacement_ = place_.displacement + b0;
   q_ = map_ * Quaternion(b1[0], b1[1], b1[2], b2[0]) + Quaternion::UnitX();
   const double n = q_.squaredNorm();
-  turned_ = form(q_, q_) / n;
+  since_ = form(q_, q_) / n;
+  turned_ = since_ * first_ + (first_ - Mat3::Identity());
   for (int i = 0; i < turns; ++i)
-    slope_[static_cast<std::size_t>(i)] = (2.0 * form(q_, direction(i)) - 2.0 * q_.dot(direction(i)) * turned_) / n;
+    slope_[static_cast<std::size_t>(i)] =
+        (2.0 * form(q_, direction(i)) - 2.0 * q_.dot(direction(i)) * since_) / n * first_;
+}
+
+Quaternion RigidMotion::quaternion() const {
+  const Vec3 p = q_.tail<3>(), first = place_.turn.tail<3>();
+  Quaternion all;
+  all << q_[0] * place_.turn[0] - p.dot(first), q_[0] * first + place_.turn[0] * p + p.cross(first);
+  return all.normalized();
 }
 
 Vec3 RigidMotion::rotation_vector() const {
-  const Vec3 p = q_.tail<3>();
-  const double size = p.norm();
-  return size > 0.0 ? Vec3(2.0 * std::atan2(size, q_[0]) / size * p) : Vec3(Vec3::Zero());
+  return vector_of(quaternion());
+}
+
+Vec3 RigidMotion::turn_in_stage() const {
+  return vector_of(q_);
 }
 
 Mat3 RigidMotion::curvature(int i, int j) const {
   const Quaternion a = direction(i), b = direction(j);
   const double n = q_.squaredNorm(), na = 2.0 * q_.dot(a), nb = 2.0 * q_.dot(b);
-  const Mat3 second = 2.0 * form(a, b) - 2.0 * a.dot(b) * turned_;
+  const Mat3 second = (2.0 * form(a, b) - 2.0 * a.dot(b) * since_) * first_;
   return (second - na * slope_[static_cast<std::size_t>(j)] - nb * slope_[static_cast<std::size_t>(i)]) / n;
 }
 

@@ -4,8 +4,9 @@
 //           q        quaternion (q_0, p) of the rotation, of any length;  n = |q|^2
 //           l        length [m], twice the radius of gyration of the arms, so that all unknowns are alike
 //           B        axes of the rotation's unknowns, the first along a given axis of turning
-//   R    = I + 2 (q_0 [p] + [p]^2)/n,  [p] w = p x w                      x = C + c + R xi
-//   c    = b_0,  p = B b_1/l,  q_0 = 1 + b_2x/l
+//           c_1, R_1 where the body is as the stage begins
+//   R    = (I + 2 (q_0 [p] + [p]^2)/n) R_1,  [p] w = p x w                x = C + c + R xi
+//   c    = c_1 + b_0,  p = B b_1/l,  q_0 = 1 + b_2x/l
 // b_0, b_1 and b_2x are the unknowns of three vertices of the group, its carriers; the other unknowns of the group are fixed.
 // R does not depend on |q|, so that E_n = k/2 (l (n - 1)/2)^2 holds |q| at 1 without doing anything else.
 //   df   = F.dc + G:dR,   F = sum f,  G = sum f xi^T        of forces f on the points of the body
@@ -33,6 +34,7 @@ struct RigidBody {
   double length = 1.0;                     ///< l [m]
   double stiffness = 1.0;                  ///< k [N/m]
   double mass = 0.0;                       ///< at the reference point [kg]
+  RigidPlace place;                        ///< c_1, R_1
   std::vector<mesh::TriangleSide> slopes;  ///< boundary sides whose slope turns with the body
   /// Points that move with it besides the vertices: C and C + l times each axis.
   static constexpr int frame_points = 4;
@@ -83,8 +85,12 @@ class RigidMotion {
   [[nodiscard]] const Vec3& displacement() const { return displacement_; }
   /// R - I, without round-off near R = I.
   [[nodiscard]] const Mat3& turned() const { return turned_; }
-  /// Rotation vector [rad], of a size up to 2 pi.
+  /// Of R as a unit quaternion, q_0 first.
+  [[nodiscard]] Eigen::Vector4d quaternion() const;
+  /// Rotation vector of R [rad], of a size up to 2 pi.
   [[nodiscard]] Vec3 rotation_vector() const;
+  /// Likewise of the turn since R_1.
+  [[nodiscard]] Vec3 turn_in_stage() const;
   /// dR/db and d2R/db2 [1/m], [1/m^2].
   [[nodiscard]] const Mat3& slope(int i) const { return slope_[static_cast<std::size_t>(i)]; }
   [[nodiscard]] Mat3 curvature(int i, int j) const;
@@ -112,8 +118,11 @@ class RigidMotion {
 
   Eigen::Matrix4d map_;  ///< dq/db, q_0 first
   double length_, stiffness_;
+  RigidPlace place_;
+  Mat3 first_;  ///< R_1
   Vec3 displacement_ = Vec3::Zero();
   Eigen::Vector4d q_;
+  Mat3 since_ = Mat3::Zero();  ///< R R_1^T - I
   Mat3 turned_ = Mat3::Zero();
   std::array<Mat3, turns> slope_;
 };

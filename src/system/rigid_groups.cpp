@@ -90,6 +90,7 @@ RigidBody make_body(const mesh::SurfaceMesh& mesh, const RigidGroup& g) {
     body.basis.col(2) = Vec3(body.basis.col(0)).cross(Vec3(body.basis.col(1)));
   }
   body.mass = g.mass;
+  body.place = g.place;
   body.slopes = held_slopes(mesh, g, *group);
   refuse_idle_turn(mesh, g, body);
   return body;

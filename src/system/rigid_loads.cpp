@@ -30,9 +30,10 @@ bool RigidLoads::symmetric() const {
                       [](const RigidGroup& g) { return g.turn == Turn::free && g.moment.squaredNorm() > 0.0; });
 }
 
-std::vector<BodyForce> RigidLoads::forces() const {
+std::vector<BodyForce> RigidLoads::forces(bool constant) const {
   std::vector<BodyForce> all(groups_.size());
-  for (std::size_t i = 0; i < groups_.size(); ++i) all[i].force = groups_[i].force;
+  for (std::size_t i = 0; i < groups_.size(); ++i)
+    if (groups_[i].constant == constant) all[i].force = groups_[i].force;
   return all;
 }
 
@@ -74,9 +75,12 @@ void RigidLoads::move(double time, const petsc::WriteArray& unknowns) const {
         if (at[carrier] < dofs().local().owned && which[static_cast<std::size_t>(k)])
           unknowns[3 * at[carrier] + k] = values[k];
     };
-    if (g.motion) write(0, g.motion(time), g.held);
+    const auto since = [&](const auto& f) {
+      return g.place.time ? decltype(f(time))(f(time) - f(*g.place.time)) : f(time);
+    };
+    if (g.motion) write(0, since(g.motion), g.held);
     if (!g.angle) continue;
-    const auto turned = RigidMotion(body(b)).unknowns_of(g.axis->normalized(), g.angle(time));
+    const auto turned = RigidMotion(body(b)).unknowns_of(g.axis->normalized(), since(g.angle));
     write(1, turned[0], {true, true, true});
     write(2, turned[1], {true, true, true});
   }
@@ -98,14 +102,18 @@ double RigidLoads::turn_between(double from, double to) const {
   return largest;
 }
 
-void RigidLoads::add(const std::vector<BodyForce>& on, double load_factor, Vec f) const {
+void RigidLoads::add(const std::vector<BodyForce>& on, Vec f) const {
   if (groups_.empty()) return;
   const petsc::WriteArray out(f);
-  for (std::size_t b = 0; b < groups_.size(); ++b) {
-    dofs().add_body_force(b, on[b], out);
-    const Vec3 moment = load_factor * groups_[b].moment;
-    dofs().add_turning_force(b, dofs().motions()[b].spin().transpose() * moment, out);
-  }
+  for (std::size_t b = 0; b < groups_.size(); ++b) dofs().add_body_force(b, on[b], out);
+}
+
+void RigidLoads::add_moments(double load_factor, bool constant, Vec f) const {
+  if (groups_.empty()) return;
+  const petsc::WriteArray out(f);
+  for (std::size_t b = 0; b < groups_.size(); ++b)
+    if (constant || !groups_[b].constant)
+      dofs().add_turning_force(b, dofs().motions()[b].spin().transpose() * moment(b, load_factor), out);
 }
 
 double RigidLoads::potential(const std::vector<BodyForce>& on, double load_factor) const {
@@ -113,17 +121,17 @@ double RigidLoads::potential(const std::vector<BodyForce>& on, double load_facto
   for (std::size_t b = 0; b < groups_.size(); ++b) {
     const RigidMotion& m = dofs().motions()[b];
     sum -= on[b].force.dot(m.displacement()) + m.turned().cwiseProduct(on[b].moments).sum();
-    if (may_turn(groups_[b])) sum -= load_factor * groups_[b].moment.dot(m.rotation_vector());
+    if (may_turn(groups_[b])) sum -= moment(b, load_factor).dot(m.turn_in_stage());
   }
   return sum;
 }
 
-void RigidLoads::add_blocks(const std::vector<BodyForce>& total, double load_factor, const BlockMatrix& tangent,
-                            const BlockMatrix::Values& values) const {
+void RigidLoads::add_blocks(const std::vector<BodyForce>& total, std::optional<double> load_factor,
+                            const BlockMatrix& tangent, const BlockMatrix::Values& values) const {
   for (std::size_t b = 0; b < groups_.size(); ++b) {
     const RigidMotion& m = dofs().motions()[b];
     Eigen::Matrix4d k = m.length_tangent();
-    if (may_turn(groups_[b])) k -= m.moment_slope(load_factor * groups_[b].moment);
+    if (load_factor && may_turn(groups_[b])) k -= m.moment_slope(moment(b, *load_factor));
     for (int i = 0; i < RigidMotion::turns; ++i)
       for (int j = 0; j < RigidMotion::turns; ++j) k(i, j) += m.curvature(i, j).cwiseProduct(total[b].moments).sum();
     RigidMotion::Block all = RigidMotion::Block::Zero();
@@ -145,7 +153,8 @@ std::vector<double> rigid_values(const Discretisation& on, Vec a, Vec f, bool li
     const Eigen::Matrix<double, 3, RigidMotion::turns> spin = motion.spin();
     const Vec3 turn = linear ? Vec3(spin * Eigen::Vector4d(u[3], u[4], u[5], u[6])) : motion.rotation_vector();
     const Vec3 moment = (spin * spin.transpose()).ldlt().solve(spin * Eigen::Vector4d(q[3], q[4], q[5], q[6]));
-    for (const Vec3& part : {three(u), turn, three(q), moment}) all.insert(all.end(), part.data(), part.data() + 3);
+    const Vec3 way = linear ? three(u) : motion.displacement();
+    for (const Vec3& part : {way, turn, three(q), moment}) all.insert(all.end(), part.data(), part.data() + 3);
   }
   return all;
 }

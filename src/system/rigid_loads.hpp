@@ -2,6 +2,7 @@
 // sheet spreads over the vertices of bodies. Symbols: rigid_bodies.hpp.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "base/petsc.hpp"
@@ -19,8 +20,8 @@ class RigidLoads {
   [[nodiscard]] bool moves() const;
   /// Whether a moment acts on a body that may turn about more than one axis: it has no potential then.
   [[nodiscard]] bool symmetric() const;
-  /// Forces at the reference points themselves, at load factor 1.
-  [[nodiscard]] std::vector<BodyForce> forces() const;
+  /// Forces at the reference points themselves, at load factor 1: those that grow with it, or the constant ones.
+  [[nodiscard]] std::vector<BodyForce> forces(bool constant) const;
   /// Takes forces on vertices of bodies out of a vector of forces by vertex: that of a body acts on its carriers. Collective.
   [[nodiscard]] std::vector<BodyForce> take(Vec force) const;
   /// Writes the prescribed unknowns at a time. Not collective.
@@ -29,16 +30,21 @@ class RigidLoads {
   [[nodiscard]] double turn_between(double from, double to) const;
 
   // At the state that the unknowns took last
-  /// Adds forces on bodies, and moments at a load factor, to the rows of the carriers. Not collective. [N]
-  void add(const std::vector<BodyForce>& on, double load_factor, Vec f) const;
+  /// Adds forces on bodies to the rows of the carriers. Not collective. [N]
+  void add(const std::vector<BodyForce>& on, Vec f) const;
+  /// Likewise moments at a load factor, with the constant ones or without. [N]
+  void add_moments(double load_factor, bool constant, Vec f) const;
   /// Work potential of the same; that of moments only where they have one. [J]
   [[nodiscard]] double potential(const std::vector<BodyForce>& on, double load_factor) const;
-  /// Adds the second derivatives of what acts: `total` of the sheet less `applied`, and moments. [N/m]
-  void add_blocks(const std::vector<BodyForce>& total, double load_factor, const BlockMatrix& tangent,
+  /// Adds the second derivatives of what acts: `total` of the sheet less `applied`, and, at a load factor, moments. [N/m]
+  void add_blocks(const std::vector<BodyForce>& total, std::optional<double> load_factor, const BlockMatrix& tangent,
                   const BlockMatrix::Values& values) const;
 
  private:
   [[nodiscard]] const Dofs& dofs() const { return on_->dofs(); }
+  [[nodiscard]] Vec3 moment(std::size_t i, double load_factor) const {
+    return (groups_[i].constant ? 1.0 : load_factor) * groups_[i].moment;
+  }
   [[nodiscard]] const RigidBody& body(std::size_t i) const { return on_->constraints().bodies[i]; }
 
   const Discretisation* on_;

@@ -99,6 +99,7 @@ assert 0 < len(rows) < 99999, rows
 s.restore(saved)
 assert s.advance().number == 1
 rows.pop()
+assert voile.__version__[0].isdigit()
 assert "[m]" in Simulation.positions.__doc__
 history = s.history()
 assert len(history["time"]) == 2 and rows

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from common import fresh, strip
 from harness import OUT, solve, test
-from solver import ROOT, run, write_case
+from solver import ROOT, Result, run, write_case
 
 
 def strip_of(nx, ny, length=12.0, width=1.0, pattern=1):
@@ -209,6 +209,86 @@ def rigid_motion(report):
     first = solve("rigid_swing_half", case(32 / 128))
     again = solve("rigid_swing_again", case(64 / 128), options=["--restart", str(first.folder / "checkpoint.h5")])
     report.check(np.array_equal(again.displacement(), whole.displacement()), "a restart ends at the same bits")
+
+
+def stage_of(result, name):
+    return Result(result.folder / name, result.code, result.text, 0.0)
+
+
+@test
+def rigid_stages(report):
+    """A rigid end is turned about one axis and then another: the strip is where one turn about their common axis brings it.
+    Forces that have grown stay, motions continue, what cannot be is refused, a stage continues from a stop to the same bits."""
+    turns = ([0, 1, 0], 40.0), ([1, 0, 0], 60.0)
+    q = np.array([1.0, 0, 0, 0])
+    for axis, angle in turns:
+        half, a = math.radians(angle) / 2, np.array(axis, float)
+        p, q0 = math.sin(half) * a, math.cos(half)
+        q = np.concatenate([[q0 * q[0] - p @ q[1:]], q0 * q[1:] + q[0] * p + np.cross(p, q[1:])])
+    axis, angle = list(q[1:] / np.linalg.norm(q[1:])), 2 * math.degrees(math.acos(q[0]))
+    end = {"group": "tip", "name": "end", "translation": ["-1*t", "0.5*t", "1*t"], "turn": "about"}
+    first = end | {"turn_axis": turns[0][0], "turn_angle": f"{turns[0][1]}*t", "stages": ["one"]}
+    second = end | {"translation": [0, "0.25*t", 0], "turn_axis": turns[1][0], "turn_angle": f"{turns[1][1]}*t", "stages": ["two", "three"]}
+    names = ["one", "two", "three"]
+    steps = {"initial_step": 0.1, "max_step": 0.1}
+    stages = [{"name": n, "analysis": a} for n, a in zip(names, ("static", "static", "modal"))]
+    base = {k: v for k, v in strip("static", 20, 2, load=None, probe=None, time=None, steps=steps, eigen={"modes": 3}).items() if v is not None}
+    staged = {k: v for k, v in base.items() if k != "analysis"} | {"stage": stages, "rigid": [first, second]}
+    whole = solve("rigid_stages", staged)
+    at_once = solve("rigid_at_once", base | {"rigid": [end | {"translation": ["-1*t", "0.75*t", "1*t"], "turn_axis": axis, "turn_angle": f"{angle}*t"}]})
+    last = stage_of(whole, "two").displacement()
+    report.below(np.abs(last - at_once.displacement()).max(), 1e-7, "the same place")
+    h, once = stage_of(whole, "two").history, at_once.history
+    for part in ("x", "turn_x", "turn_y", "turn_z", "force_x", "force_z", "moment_x", "moment_y"):
+        report.below(abs(h[f"end_{part}"][-1] - once[f"end_{part}"][-1]), 1e-5 * max(1.0, abs(once[f"end_{part}"][-1])), f"end_{part}")
+    ranks = solve("rigid_stages_ranks", staged, 3)
+    report.below(np.abs(stage_of(ranks, "two").displacement() - last).max(), 1e-7, "on three ranks")
+    found = stage_of(whole, "three").summary["eigenvalues"]
+    direct = solve("rigid_direct", base | {"analysis": "modal", "rigid": [{"group": "tip", "translation": [0, 0, 0], "turn": "held"}]}).summary["eigenvalues"]
+    report.check(found[0] != direct[0] and found[0] > 0, f"modes about the turned strip: {found[0]:.4g}, {direct[0]:.4g} Hz flat")
+
+
+@test
+def rigid_stage_loads(report):
+    """A force on a body stays for the modes; a spin and a driven turn continue from motion to motion; what stands still is said."""
+    pull = {"group": "tip", "name": "end", "force": [0, 0, 0.4], "moment": [0, -0.5, 0], "turn": "about", "turn_axis": [0, 1, 0]}
+    base = {k: v for k, v in strip("static", 20, 2, load=None, probe=None, time=None, eigen={"modes": 3}).items() if v is not None}
+    plain = {k: v for k, v in base.items() if k != "analysis"}
+    stages = [{"name": "one", "analysis": "static"}, {"name": "two", "analysis": "modal"}]
+    both = solve("rigid_loaded", plain | {"rigid": [pull], "stage": stages})
+    once = solve("rigid_loaded_once", base | {"analysis": "modal", "rigid": [pull], "eigen": {"modes": 3, "load_factor": 1.0}})
+    a, b = (np.array(r.summary["eigenvalues"]) for r in (stage_of(both, "two"), once))
+    report.below(np.abs(a / b - 1).max(), 1e-6, f"frequencies about the loaded strip {a[0]:.5g} Hz")
+    # A free spinning plate, and a strip whose end is driven, in two stages and at once
+    time = {"step": 1 / 128, "max_step": 1 / 128, "velocity_tolerance": 1e-7, "spectral_radius": 0.9}
+    clamp = [{"type": "clamped", "group": "clamp"}]
+    scenes = {
+        "spun": {"rigid": [{"group": "plate", "name": "end"}], "initial_velocity": [{"angular_velocity": [1.0, 0.02, 2.0], "centre": [5, 0.5, 0]}]},
+        "driven": {"support": clamp, "rigid": [{"group": "tip", "name": "end", "translation": ["-2*t^2", "0", "t^2"], "turn": "about", "turn_axis": [1, 1, 0],
+                                                "turn_angle": "200*t^2"}]},
+    }
+    for name, scene in scenes.items():
+        case = {k: v for k, v in plain.items() if k not in ("eigen", "support")} | scene
+        unbroken = solve(f"rigid_{name}", case | {"analysis": "dynamic", "time": time | {"end": 0.5}})
+        parts = [{"name": n, "analysis": "dynamic", "time": {"end": end}} for n, end in (("one", 0.25), ("two", 0.5))]
+        split = solve(f"rigid_{name}_split", case | {"stage": parts, "time": time})
+        h, whole = stage_of(split, "two").history, unbroken.history
+        for part in ("x", "z", "turn_x", "turn_y", "turn_z"):
+            report.below(abs(h[f"end_{part}"][-1] - whole[f"end_{part}"][-1]), 1e-3, f"{name}: end_{part} {whole[f'end_{part}'][-1]:.4g}")
+        report.below(h["kinetic_energy"][-1] / whole["kinetic_energy"][-1] - 1, 0.01, f"{name}: kinetic energy")
+        file = write_case(case | {"stage": parts, "time": time | {"checkpoint_steps": 5}}, OUT / "rigid_stopped.toml")
+        kept = run(file, fresh("rigid_stopped"), options=["-ts_max_steps", "45"])
+        report.check(kept.code in (0, 3), f"{name}: stopped with code {kept.code}")
+    mistakes = {
+        "late": ([pull | {"stages": ["two"]}], ("stage 'two'", "has not been rigid", "every stage")),
+        "early": ([pull | {"stages": ["one"]}], ("stage 'two'", "to the end", "every stage")),
+        "point": ([pull | {"stages": ["one"]}, pull | {"stages": ["two"], "point": [10, 0, 0]}], ("point, slope and mass",)),
+        "moved": ([pull | {"stages": ["one"]}, {"group": "tip", "turn": "about", "turn_axis": [0, 1, 0], "turn_angle": "t", "stages": ["two"]}],
+                  ("stage 'two'", "nothing is moved", "modal")),
+    }
+    for name, (rigid, expected) in mistakes.items():
+        result = run(write_case(plain | {"rigid": rigid, "stage": stages}, OUT / "rigid_stage_mistake.toml"), fresh("rigid_stage_mistake"))
+        report.check(result.code == 2 and all(e in result.text for e in expected), f"{name}: code {result.code}: {result.text.strip()[-250:]}")
 
 
 def mistakes(base):

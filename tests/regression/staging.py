@@ -55,6 +55,9 @@ def stages(report):
     report.check(again.code == 0, "--from swing continues from the end of the stage before")
     report.below(largest(end_of(whole, "swing").displacement(), before), 1e-9, "to the same end")
     report.check((whole.folder / "bend" / "history.csv").is_file(), "which stays")
+    report.check("had another" not in again.text, "nothing is said of the same material")
+    again = run(file, whole.folder, 1, ["--from", "swing", "--set", "material.0.young=2.4e6"])
+    report.check(again.code == 0 and "--from swing" in again.text and "had another [material]: young" in again.text, "of another one it is")
 
 
 @test

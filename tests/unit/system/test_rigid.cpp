@@ -18,8 +18,18 @@ namespace {
 
 using Motion = system::RigidMotion;
 
+/// Where a stage finds a body.
+system::RigidPlace turned_place() {
+  const Vec3 p = Vec3(0.3, -0.5, 0.4);
+  system::RigidPlace place;
+  place.displacement = Vec3(0.2, 0.1, -0.3);
+  place.turn << std::sqrt(1.0 - p.squaredNorm()), p;
+  return place;
+}
+
 system::RigidBody turned_body() {
   system::RigidBody body;
+  body.place = turned_place();
   body.basis = Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, -1.0).normalized()).toRotationMatrix();
   body.length = 0.8;
   body.stiffness = 3.0;
@@ -101,14 +111,17 @@ TEST_CASE("rotation, spin and second derivatives of a rigid body by differences"
   }
 }
 
-TEST_CASE("a rotation about an axis is written as unknowns and read back") {
+TEST_CASE("a rotation about an axis is written as unknowns and read back, from where the body is") {
+  const Vec3 p = turned_place().turn.tail<3>();
+  const Mat3 first = Eigen::AngleAxisd(2.0 * std::asin(p.norm()), p.normalized()).toRotationMatrix();
   for (const double angle : {0.0, 0.3, 2.0, 5.0}) {
     Motion m(turned_body());
     const Vec3 axis = Vec3(0.2, -1.0, 0.4).normalized();
     const auto b = m.unknowns_of(axis, angle);
-    m.set(Vec3::Zero(), b[0], b[1]);
-    CHECK((m.rotation_vector() - angle * axis).norm() < 1e-14);
-    CHECK((m.turned() + Mat3::Identity() - Eigen::AngleAxisd(angle, axis).toRotationMatrix()).norm() < 1e-14);
+    m.set(Vec3(1.0, 2.0, 3.0), b[0], b[1]);
+    CHECK((m.turn_in_stage() - angle * axis).norm() < 1e-14);
+    CHECK((m.turned() + Mat3::Identity() - Eigen::AngleAxisd(angle, axis).toRotationMatrix() * first).norm() < 1e-14);
+    CHECK((m.displacement() - turned_place().displacement - Vec3(1.0, 2.0, 3.0)).norm() < 1e-15);
   }
 }
 

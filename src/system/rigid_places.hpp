@@ -1,0 +1,30 @@
+// Where rigid bodies are and how they move, from one stage to the next: the unknowns of a body begin at nothing in each stage, since
+// they count from where the body is (rigid_bodies.hpp), and its keys with them.
+//
+// Numbers of each body, in the order of the groups: where the stage has begun (c_1, quaternion of R_1, its time or NaN), where the
+// body is (c, quaternion of R), and its velocity and spin [m/s], [rad/s].
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "discretisation.hpp"
+
+namespace voile::system {
+
+inline constexpr std::size_t rigid_place_numbers = 21;
+
+/// The numbers of all bodies on rank 0, none on others; v: velocities of the unknowns, may be null. Collective.
+[[nodiscard]] std::vector<double> rigid_places(const Discretisation& on, Vec u, Vec v);
+
+/// Makes the places where bodies are those where a stage begins, at a time [s]. Not collective.
+void begin_stage_at(double time, std::vector<double>& places);
+
+/// Puts groups where a stage has begun. `in_time`: their motions are functions of the time, else of the load factor. Not
+/// collective.
+void put_rigid_groups(const std::vector<double>& places, bool in_time, std::vector<RigidGroup>& groups);
+
+/// Velocities of the unknowns as a stage begins, as Dofs::scatter_bodies takes them. Not collective.
+[[nodiscard]] std::vector<double> rates_at(const std::vector<double>& places, const std::vector<RigidBody>& bodies);
+
+}  // namespace voile::system
