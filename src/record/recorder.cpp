@@ -134,12 +134,10 @@ Recorder::Snapshot Recorder::gathered(Vec a, const Motion& motion) {
 std::vector<double> Recorder::bodies_of(Vec a, Vec force, double time) const {
   constexpr std::size_t each = 12, turn = 3;
   std::vector<double> all = system::rigid_values(model_->discretisation(), a, force, linear_);
-  for (std::size_t b = 0; b < case_.rigids.size() && each * (b + 1) <= all.size(); ++b) {
-    const system::RigidGroup& group = case_.rigids[b].group;
-    if (!group.angle || linear_) continue;
-    const Vec3 whole = group.angle(time) * group.axis->normalized();
-    std::copy(whole.data(), whole.data() + 3, &all[each * b + turn]);
-  }
+  const system::RigidLoads& rigid = model_->conditions().rigid();
+  for (std::size_t b = 0; each * b < all.size() && !linear_; ++b)
+    if (const std::optional<Vec3> whole = rigid.prescribed_turn(b, time))
+      std::copy(whole->data(), whole->data() + 3, &all[each * b + turn]);
   return all;
 }
 

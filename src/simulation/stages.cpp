@@ -75,6 +75,7 @@ void hold_at_end(const input::Case& before, Stage& now) {
 void go_on(const input::Case& c, Support& s) {
   const Vec3 value = std::exchange(s.value, Vec3::Zero());
   if (!c.dynamics.load_history || value.isZero(0.0) || s.x_axis || s.y_axis || s.cylinder_axis) return;
+  s.motion_text.clear();
   s.motion = [motion = s.motion, value, history = c.dynamics.load_history](const Vec3& rest, double time) -> Vec3 {
     return history(time) * value + (motion ? motion(rest, time) : Vec3(Vec3::Zero()));
   };
@@ -84,6 +85,7 @@ void go_on(const input::Case& c, Support& s) {
 void hold_over(const input::Case& before, const Support& was, Support& now) {
   now.value = Vec3::Zero();
   now.motion = was.motion;
+  now.motion_text = was.motion_text;
   now.rotation = was.rotation;
   if (before.analysis != input::Analysis::statics) return;
   // It has moved with the load factor, and stays where that has brought it.

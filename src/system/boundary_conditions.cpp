@@ -94,10 +94,10 @@ BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Sup
     for (Index i = 0; i < dofs.local().owned; ++i) {
       const auto support = supported.find(dofs.local().point_of[i]);
       if (support == supported.end()) continue;
-      if (support->second.motion >= 0) {
-        movers_.push_back({i, support->second.motion});
-        for (int k = 0; k < 3 && supports_[static_cast<std::size_t>(support->second.motion)].follows; ++k)
-          following.insert(3 * i + k);
+      for (int k = 0; k < 3; ++k) {
+        const int mover = support->second.motion[static_cast<std::size_t>(k)];
+        if (mover >= 0) movers_.push_back({i, k, mover});
+        if (mover >= 0 && supports_[static_cast<std::size_t>(mover)].follows) following.insert(3 * i + k);
       }
       for (int k = 0; k < 3; ++k)
         if (support->second.fixed[k]) prescribed[3 * i + k] = support->second.value[k];
@@ -105,8 +105,7 @@ BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Sup
   }
   for (const PetscInt i : dofs.fixed())
     if (following.count(i) == 0) led_.push_back(i);
-  for (const auto& [v, support] : supported)
-    has_prescribed_ |= support.value.squaredNorm() > 0.0 || support.motion >= 0;
+  for (const auto& [v, support] : supported) has_prescribed_ |= support.value.squaredNorm() > 0.0 || support.moves();
   has_prescribed_ |= rigid_.moves();
   mpi::on_all(dofs.comm(), [&] { build_loads(loads, masses); });
   add_differences(periodic);
@@ -159,11 +158,15 @@ void BoundaryConditions::move_supports(double time) {
   const petsc::WriteArray motion(motion_);
   rigid_.move(time, motion);
   const LocalPoints& local = on_->dofs().local();
+  Vec3 own = Vec3::Zero();  // of the vertex and support of the mover before, which most have in common
+  Mover last{no_index, 0, -1};
   for (const Mover& m : movers_) {
     if (supports_[static_cast<std::size_t>(m.support)].follows) continue;
-    const Vec3 u = supports_[static_cast<std::size_t>(m.support)].motion(local.start[m.local], time);
-    const Vec3 own = on_->dofs().to_own(local.point_of[m.local], u);
-    for (int k = 0; k < 3; ++k) motion[3 * m.local + k] = own[k];
+    if (m.local != last.local || m.support != last.support)
+      own = on_->dofs().to_own(local.point_of[m.local],
+                               supports_[static_cast<std::size_t>(m.support)].motion(local.start[m.local], time));
+    motion[3 * m.local + m.component] = own[m.component];
+    last = m;
   }
 }
 

@@ -78,6 +78,7 @@ class BoundaryConditions {
   /// `time`. Collective.
   void take_hold(Vec a, double time, double load_factor);
 
+  [[nodiscard]] const RigidLoads& rigid() const { return rigid_; }
   /// False if follower loads, or moments on rigid bodies, make the tangent unsymmetric.
   [[nodiscard]] bool symmetric() const { return !any_follower_ && rigid_.symmetric(); }
   /// Writes off_i into the fixed components of `out`, which may hold a copy of a, and leaves the others. Not collective.
@@ -144,9 +145,9 @@ class BoundaryConditions {
   RigidLoads rigid_;
   std::vector<Support> supports_;
   bool motion_by_load_;
-  struct Mover {  ///< an owned vertex whose support moves
+  struct Mover {  ///< a component of an owned vertex whose support moves
     Index local;
-    int support;
+    int component, support;
   };
   std::vector<Mover> movers_;
   std::vector<PetscInt> led_;

@@ -33,6 +33,7 @@ struct Support {
   double release = std::numeric_limits<double>::infinity();  ///< time at which it releases [s]
   /// Displacement [m] of the vertex that starts at X at time t [s], added to `value`; empty: none.
   std::function<Vec3(const Vec3& rest, double time)> motion;
+  std::string motion_text;  ///< what tells it from other motions; empty: it is like no other
   /// Its displacement is given vertex by vertex (BoundaryConditions::set_displacement) instead of `motion`.
   bool follows = false;
   /// clamped: the rotation within `motion` at time t, with which the slope turns; empty: none.

@@ -271,6 +271,30 @@ VertexSupport combine(const mesh::SurfaceMesh& mesh, Index v, const std::vector<
   return s;
 }
 
+/// Components of a vertex that a support moves: those that it holds, or all where the axes of the two are not the global ones.
+std::array<bool, 3> moved_components(const Support& s, const VertexSupport& at) {
+  const bool own_axes = s.x_axis || s.y_axis || s.cylinder_axis || at.rotated();
+  const bool by_component = s.kind == Support::Kind::displacement || s.kind == Support::Kind::sliding;
+  return own_axes || !by_component ? std::array<bool, 3>{true, true, true} : s.components;
+}
+
+bool move_alike(const Support& a, const Support& b) {
+  return (a.follows && b.follows) || (!a.motion_text.empty() && a.motion_text == b.motion_text);
+}
+
+void move_vertex(const mesh::SurfaceMesh& mesh, const std::vector<Support>& supports, std::size_t i, Index v,
+                 VertexSupport& at) {
+  const std::array<bool, 3> moved = moved_components(supports[i], at);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!moved[k]) continue;
+    int& motion = at.motion[k];
+    if (motion >= 0 && !move_alike(supports[i], supports[static_cast<std::size_t>(motion)]))
+      throw UserError(fmt::format("{} and {}: both move vertex {}; let one of them do it", name_of(supports[i]),
+                                  name_of(supports[static_cast<std::size_t>(motion)]), mesh.data().vertex_tags[v]));
+    motion = static_cast<int>(i);
+  }
+}
+
 }  // namespace
 
 Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Support>& supports) {
@@ -285,13 +309,7 @@ Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Su
   for (const auto& [v, list] : conditions) result.vertices.emplace(v, combine(mesh, v, list));
   for (std::size_t i = 0; i < supports.size(); ++i) {
     if (!supports[i].motion && !supports[i].follows) continue;
-    for (Index v : mesh.group(supports[i].group).vertices) {
-      int& motion = result.vertices.at(v).motion;
-      if (motion >= 0 && !(supports[i].follows && supports[static_cast<std::size_t>(motion)].follows))
-        throw UserError(fmt::format("{} and {}: both move vertex {}; let one of them do it", name_of(supports[i]),
-                                    name_of(supports[static_cast<std::size_t>(motion)]), mesh.data().vertex_tags[v]));
-      motion = static_cast<int>(i);
-    }
+    for (Index v : mesh.group(supports[i].group).vertices) move_vertex(mesh, supports, i, v, result.vertices.at(v));
   }
   return result;
 }

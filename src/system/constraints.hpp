@@ -20,7 +20,9 @@ struct VertexSupport {
   Mat3 axes = Mat3::Identity();  ///< Q_v
   std::array<bool, 3> fixed{false, false, false};
   Vec3 value = Vec3::Zero();  ///< prescribed components in local axes at load factor 1 [m]
-  int motion = -1;            ///< number of the support that moves the vertex in time; -1: none
+  /// Numbers of the supports that move it in time along its axes; -1: none.
+  std::array<int, 3> motion{-1, -1, -1};
+  [[nodiscard]] bool moves() const { return motion != std::array<int, 3>{-1, -1, -1}; }
   [[nodiscard]] bool rotated() const { return !axes.isIdentity(0.0); }
 };
 

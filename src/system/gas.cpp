@@ -18,7 +18,7 @@ namespace {
 bool stays(const Discretisation& on, Index v) {
   if (!on.dofs().is_held(v)) return false;
   const VertexSupport& support = on.constraints().vertices.at(v);
-  return support.motion < 0 && support.value.squaredNorm() == 0.0;
+  return !support.moves() && support.value.squaredNorm() == 0.0;
 }
 
 }  // namespace

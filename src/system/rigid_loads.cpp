@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/mpi.hpp"
 
@@ -84,6 +85,19 @@ void RigidLoads::move(double time, const petsc::WriteArray& unknowns) const {
     write(1, turned[0], {true, true, true});
     write(2, turned[1], {true, true, true});
   }
+}
+
+std::optional<Vec3> RigidLoads::prescribed_turn(std::size_t b, double time) const {
+  const RigidGroup& g = groups_[b];
+  if (!g.angle) return {};
+  const Vec3 axis = g.axis->normalized();
+  if (!g.place.time) return Vec3(g.angle(time) * axis);
+  constexpr double same = 1e-9, turn = 4.0 * std::numbers::pi;
+  const Vec3 before = RigidMotion(body(b)).rotation_vector();
+  if (before.cross(axis).norm() > same) return {};
+  // A motion that has gone on from the stage before counts its turns from its own start.
+  const double start = g.angle(*g.place.time), apart = std::abs(std::remainder(start - before.dot(axis), turn));
+  return Vec3((apart < same ? g.angle(time) : before.dot(axis) + g.angle(time) - start) * axis);
 }
 
 double RigidLoads::turn_between(double from, double to) const {

@@ -26,6 +26,8 @@ class RigidLoads {
   [[nodiscard]] std::vector<BodyForce> take(Vec force) const;
   /// Writes the prescribed unknowns at a time. Not collective.
   void move(double time, const petsc::WriteArray& unknowns) const;
+  /// The rotation vector of a prescribed turn with whole turns in it; absent: there is none, or another turn came before [rad].
+  [[nodiscard]] std::optional<Vec3> prescribed_turn(std::size_t body, double time) const;
   /// The largest angle by which a body is turned between two times [rad].
   [[nodiscard]] double turn_between(double from, double to) const;
 

@@ -77,7 +77,8 @@ class Resolver {
     if (root == constraints_.vertices.end() || !root->second.axes.isApprox(here.axes) ||
         !std::equal(here.fixed.begin(), here.fixed.end(), root->second.fixed.begin(), std::less_equal<>()))
       fail(v, "a [[support]] holds it otherwise than the vertex that it repeats; hold both alike, or only that one");
-    if (root->second.motion != here.motion || !moves_alike(here.motion, v))
+    const auto moves_it = [&](int support) { return moves_alike(support, v); };
+    if (root->second.motion != here.motion || !std::all_of(here.motion.begin(), here.motion.end(), moves_it))
       fail(v, "a [[support]] moves it otherwise than the vertex that it repeats; leave one of them out of it");
     for (int k = 0; k < 3; ++k)
       if (here.fixed[static_cast<std::size_t>(k)]) require_difference(v, k, here, root->second);
@@ -142,7 +143,7 @@ class Resolver {
       VertexSupport held;
       held.fixed = p.held;
       held.value = p.difference;
-      if (p.motion) held.motion = static_cast<int>(supports_.size() + i);
+      if (p.motion) held.motion.fill(static_cast<int>(supports_.size() + i));
       constraints_.vertices[v] = held;
       return;
     }

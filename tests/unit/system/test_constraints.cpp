@@ -239,4 +239,35 @@ TEST_CASE("the symmetry plane of a group is found where the mesh determines it")
   }
 }
 
+TEST_CASE("supports that share a vertex each move what they hold, and equal motions are one") {
+  const mesh::SurfaceMesh mesh(square(Pattern::diagonal, 4));
+  const auto moved = [](const std::string& group, Fixed held, const Vec3& speed) {
+    system::Support s = displacement(group, held, Vec3::Zero());
+    s.motion = [speed](const Vec3&, double t) { return Vec3(t * speed); };
+    return s;
+  };
+  const auto across = moved("left", {true, false, false}, Vec3(0.1, 0.0, 5.0));
+  const auto along = moved("bottom", {false, true, false}, Vec3(3.0, 0.2, 0.0));
+  const auto still = displacement("bottom", {false, false, true}, Vec3::Zero());
+  system::ModelInput in;
+  in.materials = {isotropic(100.0, 0.3, 0.2, 1.0)};
+  in.supports = {across, along, still};
+  system::Model model(PETSC_COMM_WORLD, mesh, in);
+  petsc::VecHandle a = model.dofs().create_vector();
+  model.set_time(2.0);
+  model.conditions().enforce(a);
+  const std::vector<double> u = model.dofs().gather(a);
+  for (Index v = 0; v < mesh.vertex_count() && !u.empty(); ++v) {
+    const Vec3& x = mesh.positions()[v];
+    const Vec3 expected(x.x() == 0.0 ? 0.2 : 0.0, x.y() == 0.0 ? 0.4 : 0.0, 0.0);
+    CHECK((Vec3(Eigen::Map<const Vec3>(&u[3 * static_cast<std::size_t>(v)])) - expected).norm() < 1e-15);
+  }
+  auto one = moved("left", {true, true, true}, Vec3::Ones()), other = moved("bottom", {true, true, true}, Vec3::Ones());
+  CHECK(contains(refusal(mesh, {one, other}), "both move vertex"));
+  one.motion_text = other.motion_text = "t, t, t";
+  CHECK(refusal(mesh, {one, other}).empty());
+  other.motion_text = "t, t, 2*t";
+  CHECK(contains(refusal(mesh, {one, other}), "both move vertex"));
+}
+
 }  // namespace test_constraints
