@@ -94,6 +94,12 @@ results::Checkpoint gather(const system::State& s, const system::Model& model) {
   return c;
 }
 
+results::Checkpoint gather_end(const system::State& s, const system::Model& model) {
+  results::Checkpoint c = gather(s, model);
+  if (system::Contact* contact = model.contact()) c.contact_push = contact->push(s.u);
+  return c;
+}
+
 results::Checkpoint gather_whole(const system::State& s, const system::Model& model) {
   results::Checkpoint c = gather(s, model);
   c.couplings = model.couplings();
@@ -111,7 +117,7 @@ system::State scatter(const results::Checkpoint& c, const system::Dofs& dofs) {
   s.next_step = c.next_step;
   s.load_factor = c.load_factor;
   s.in_equilibrium = c.in_equilibrium;
-  s.contact = {c.contact_gaps, c.contact_start, c.passing};
+  s.contact = {c.contact_gaps, c.contact_start, c.contact_push, c.passing};
   s.anchors = system::anchors_of(c.anchors);
   s.balance = system::balance_of(c.energy_balance);
   s.path = system::path_of(c.path);
@@ -154,9 +160,10 @@ void Checkpoints::after_step(const system::State& s, const system::Model& model,
   if (due || by_step || asked) write(s, model);
 }
 
-void Checkpoints::write(const system::State& s, const system::Model& model) {
+void Checkpoints::write(const system::State& s, const system::Model& model, bool at_end) {
   if (file_.empty()) return;
-  const results::Checkpoint c = gather_whole(s, model);
+  results::Checkpoint c = gather_whole(s, model);
+  if (at_end && model.contact()) c.contact_push = model.contact()->push(s.u);
   mpi::on_root(model.dofs().comm(), [&] { results::write_checkpoint(file_, c, model.dofs().mesh()); });
   last_ = Clock::now();
 }

@@ -13,6 +13,8 @@ namespace voile::remesh {
 
 /// Collective.
 [[nodiscard]] results::Checkpoint gather(const system::State& state, const system::Model& model);
+/// With the contact forces that the next stage finds. Collective.
+[[nodiscard]] results::Checkpoint gather_end(const system::State& state, const system::Model& model);
 /// With what a model needs to go on in the same way: couplings of contact, the start of the last step. Collective.
 [[nodiscard]] results::Checkpoint gather_whole(const system::State& state, const system::Model& model);
 /// Numbers and what contact remembers must be the same on all ranks. Collective.
@@ -26,8 +28,8 @@ class Checkpoints {
 
   /// `asked`: by a signal. Collective.
   void after_step(const system::State& s, const system::Model& model, bool asked);
-  /// Collective.
-  void write(const system::State& s, const system::Model& model);
+  /// `at_end`: of a stage, with the contact forces there. Collective.
+  void write(const system::State& s, const system::Model& model, bool at_end = false);
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 
  private:

@@ -102,7 +102,8 @@ bool Epoch::ends_at(double time) const {
 void Epoch::prepare(Origin origin) {
   if (std::exchange(prepared_, true)) return;
   const bool in_time = stage_.analysis == input::Analysis::dynamic;
-  if (model_.contact()) model_.contact()->restore(in_time ? state_.contact : system::ContactMemory{});
+  if (model_.contact())
+    model_.contact()->restore(in_time ? state_.contact : system::ContactMemory{{}, 0.0, state_.contact.push, {}});
   if (in_time || stage_.is_staged()) model_.set_time(state_.time);
   model_.potential().attachments().attach(state_.u, state_.anchors);
   if (stage_.stage.continues()) take_hold(origin);

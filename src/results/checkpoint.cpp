@@ -21,9 +21,13 @@ constexpr std::size_t stability_numbers = 4;  // of central differences
 /// The vectors of a checkpoint, const or not, under their names in the file.
 template <class C>
 auto vectors_of(C& c) {
-  return std::array{std::pair{"displacement", &c.displacement},           std::pair{"velocity", &c.velocity},
-                    std::pair{"acceleration", &c.acceleration},           std::pair{"previous", &c.previous},
-                    std::pair{"previous_velocity", &c.previous_velocity}, std::pair{"stiffest_mode", &c.stiffest}};
+  return std::array{std::pair{"displacement", &c.displacement},
+                    std::pair{"velocity", &c.velocity},
+                    std::pair{"acceleration", &c.acceleration},
+                    std::pair{"previous", &c.previous},
+                    std::pair{"previous_velocity", &c.previous_velocity},
+                    std::pair{"stiffest_mode", &c.stiffest},
+                    std::pair{"contact_push", &c.contact_push}};
 }
 
 /// Rest corners, empty where the positions are the rest shape.

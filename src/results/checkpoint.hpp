@@ -24,6 +24,8 @@ struct Checkpoint {
   /// Smallest gap of each vertex where contact is let out from, and since when; empty: nothing is let out.
   std::vector<double> contact_gaps{};  ///< [m]
   double contact_start = 0.0;          ///< [s]
+  /// Normal contact force on each vertex at the end of a stage, see system::ContactMemory; empty: not kept.
+  std::vector<double> contact_push{};  ///< [N]
   /// Obstacles that each vertex passes through, see system::ContactMemory; empty: none.
   std::vector<double> passing{};
   std::vector<double> anchors{};                          ///< of attachments, see system::numbers_of; empty: none

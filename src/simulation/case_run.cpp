@@ -145,7 +145,7 @@ void CaseRun::end_stage() {
   summaries_.emplace_back(name, stage_->end());
   modes_[name] = std::move(summaries_.back().second.mode_shapes);
   mesh_ = stage_->mesh();
-  state_ = remesh::gather(stage_->epoch().state(), stage_->epoch().model());
+  state_ = remesh::gather_end(stage_->epoch().state(), stage_->epoch().model());
 }
 
 StageRun& CaseRun::stage() const {

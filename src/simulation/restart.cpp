@@ -293,6 +293,7 @@ results::Checkpoint read_start(const input::Case& c, const record::RunOptions& o
   start.factors_left = static_cast<int>(numbers[12]);
   start.wait = static_cast<int>(numbers[13]);
   mpi::broadcast(options.comm, start.contact_gaps);
+  mpi::broadcast(options.comm, start.contact_push);
   mpi::broadcast(options.comm, start.passing);
   mpi::broadcast(options.comm, start.anchors);
   mpi::broadcast(options.comm, start.energy_balance);

@@ -166,7 +166,7 @@ std::vector<double> masses(const Stage& stage, const mesh::SurfaceMesh& mesh) {
   return mass;
 }
 
-/// What contact remembers: the nearer gap, every obstacle that is ignored.
+/// What contact remembers: the nearer gap, both forces, every obstacle that is ignored.
 void merge_contact(const std::vector<Index>& target, std::size_t count, results::Checkpoint& c) {
   const auto merge = [&](std::vector<double>& values, double none, const auto& join) {
     if (values.empty()) return;
@@ -175,6 +175,13 @@ void merge_contact(const std::vector<Index>& target, std::size_t count, results:
     values = std::move(merged);
   };
   merge(c.contact_gaps, std::numeric_limits<double>::infinity(), [](double a, double b) { return std::min(a, b); });
+  if (!c.contact_push.empty()) {
+    std::vector<double> merged(3 * count, 0.0);
+    for (std::size_t v = 0; v < target.size(); ++v)
+      for (std::size_t k = 0; k < 3; ++k)
+        merged[3 * static_cast<std::size_t>(target[v]) + k] += c.contact_push[3 * v + k];
+    c.contact_push = std::move(merged);
+  }
   merge(c.passing, 0.0, [](double a, double b) {
     return static_cast<double>(static_cast<std::uint64_t>(a) | static_cast<std::uint64_t>(b));
   });

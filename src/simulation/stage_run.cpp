@@ -242,7 +242,7 @@ record::Summary StageRun::end() {
   system::Model& model = epoch_->model();
   const system::State& state = epoch_->state();
   balance_forces();
-  checkpoints_.write(state, model);
+  checkpoints_.write(state, model, all_.completed);
   if (all_.completed && !c.stage.sew.empty()) {
     all_.reason = open_seam_text(c, model, state);
     all_.completed = all_.reason.empty();

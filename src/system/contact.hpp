@@ -49,8 +49,11 @@ class Contact {
   /// Begins a motion at state a and time t. Pairs nearer than the activation distance would be thrown apart. So the barrier
   /// of a point begins at its smallest gap, where it exerts no force, and grows to the activation distance within
   /// options.settle_time. A point whose contact force is balanced by other forces keeps its full barrier: where
-  /// `residual`, the static residual at a (model.hpp) [N], is less than half of the contact force. Collective.
+  /// `residual`, the static residual at a (model.hpp) [N], is less than half of the contact force; and so does one that the
+  /// stage before has left with this very force, which friction or its own inertia may balance. Collective.
   void begin_settling(Vec a, Vec residual, double time);
+  /// The normal contact force on each vertex at state a, in global axes, on every rank. Collective. [N]
+  [[nodiscard]] std::vector<double> push(Vec a);
   /// What barriers at state a have gained since time `before` because they grow. Collective. [J]
   [[nodiscard]] double grown_since(Vec a, double before);
 
@@ -79,8 +82,9 @@ class Contact {
 
  private:
   /// Sets `balanced`, per vertex and alike on all ranks, to 0 where the other forces (minus `others`) do not balance the
-  /// normal contact force; true if that is new for some vertex. Collective.
-  [[nodiscard]] bool note_unbalanced(Vec a, Vec others, std::vector<double>& balanced);
+  /// normal contact force, unless that is `before`; true if that is new for some vertex. Collective.
+  [[nodiscard]] bool note_unbalanced(Vec a, Vec others, const std::vector<double>& before,
+                                     std::vector<double>& balanced);
 
   ContactScene scene_;
   ContactMemory memory_;

@@ -1,5 +1,6 @@
 // Starts that lie inside the activation distance.
 #include <algorithm>
+#include <utility>
 
 #include "base/mpi.hpp"
 #include "contact.hpp"
@@ -12,9 +13,26 @@ namespace {
 /// Fraction of its contact force that may be left over at a point which counts as at rest.
 constexpr double most_unbalanced = 0.5;
 
+/// Whether a contact force is the one that a stage has ended with.
+bool is_kept(const std::vector<double>& before, Index v, const Vec3& now) {
+  constexpr double same = 1e-6;
+  if (before.empty()) return false;
+  const Vec3 was = Eigen::Map<const Vec3>(&before[3 * static_cast<std::size_t>(v)]);
+  return (now - was).norm() <= same * was.norm();
+}
+
 }  // namespace
 
-bool Contact::note_unbalanced(Vec a, Vec others, std::vector<double>& balanced) {
+std::vector<double> Contact::push(Vec a) {
+  const petsc::VecHandle force = scene_.dofs().create_vector();
+  scene_.take(a);
+  add_gradient(a, force, contact::ContactSet::normal);
+  std::vector<double> all = scene_.dofs().gather_forces(force);
+  mpi::broadcast(scene_.dofs().comm(), all);
+  return all;
+}
+
+bool Contact::note_unbalanced(Vec a, Vec others, const std::vector<double>& before, std::vector<double>& balanced) {
   const LocalPoints& local = scene_.dofs().local();
   const petsc::VecHandle push = scene_.dofs().create_vector();
   add_gradient(a, push, contact::ContactSet::normal);
@@ -23,7 +41,10 @@ bool Contact::note_unbalanced(Vec a, Vec others, std::vector<double>& balanced) 
     const petsc::ReadArray g(push), r(others);
     for (Index i = 0; i < local.owned; ++i) {
       const Eigen::Map<const Vec3> own(g.data() + 3 * i), rest(r.data() + 3 * i);
-      if (own.dot(own + rest) > most_unbalanced * own.squaredNorm()) now[local.point_of[i]] = 0.0;
+      const Index v = local.point_of[i];
+      if (own.dot(own + rest) > most_unbalanced * own.squaredNorm() &&
+          !is_kept(before, v, scene_.dofs().to_global(v, own)))
+        now[v] = 0.0;
     }
   }
   mpi::min(scene_.dofs().comm(), now);
@@ -35,6 +56,7 @@ bool Contact::note_unbalanced(Vec a, Vec others, std::vector<double>& balanced) 
 void Contact::begin_settling(Vec a, Vec residual, double time) {
   const contact::ContactOptions& options = scene_.input().options;
   memory_.gaps.clear();
+  const std::vector<double> before = std::exchange(memory_.push, {});
   set_time(time);
   if (options.settle_time <= 0.0) return;
   scene_.take(a);
@@ -45,7 +67,7 @@ void Contact::begin_settling(Vec a, Vec residual, double time) {
   VOILE_PETSC(VecAYPX(others, -1.0, residual));
   // Where one layer is let out, the next has lost what balanced it.
   std::vector<double> balanced(gaps.size(), 1.0);
-  while (note_unbalanced(a, others, balanced)) {
+  while (note_unbalanced(a, others, before, balanced)) {
     memory_.gaps = gaps;
     for (std::size_t v = 0; v < gaps.size(); ++v)
       if (balanced[v] == 1.0) memory_.gaps[v] = options.distance;

@@ -191,6 +191,23 @@ def stages_in_contact(report):
 
 
 @test
+def stages_in_impact(report):
+    """A sheet that a stage leaves while it bounces keeps its barrier, which its own inertia balances, and comes off as fast as in one stage."""
+    case = {"title": "Bounce", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": 4}}, "contact": {"distance": 0.01},
+            "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 2e-3, "density": 1e3}],
+            "initial_velocity": [{"velocity": [0, 0, -0.5]}], "obstacle": [{"name": "floor", "type": "plane", "point": [0, 0, -0.02], "normal": [0, 0, 1]}]}
+    steps = {"step": 2e-4, "max_step": 2e-4, "velocity_tolerance": 1e-6}
+    whole = solve("impact_whole", case | {"analysis": "dynamic", "time": steps | {"end": 0.03}}).history["kinetic_energy"][-1]
+    staged = case | {"time": steps, "stage": [{"name": n, "analysis": "dynamic", "time": {"end": end}} for n, end in (("a", 0.023), ("b", 0.03))]}
+    for ranks in (1, 2):
+        result = solve("impact_staged", staged, ranks)
+        report.percent(result.stage("b").history["kinetic_energy"][-1] / whole, 0.005, f"{ranks} rank(s): kinetic energy after it")
+    again = run(OUT / "impact_staged.toml", result.folder, 1, ["--from", "b"])
+    report.check(again.code == 0, f"--from b: code {again.code}")
+    report.percent(again.stage("b").history["kinetic_energy"][-1] / whole, 0.005, "the same from the checkpoint of the stage before")
+
+
+@test
 def passing_in_stages(report):
     """What passes through an obstacle does not pass through another one of the next stage, and an analysis without motion says that it cannot begin so."""
     ball = {"type": "sphere", "radius": 0.03, "on_pinch": "pass"}

@@ -211,7 +211,7 @@ def rigid_motion(report):
     report.check(np.array_equal(again.displacement(), whole.displacement()), "a restart ends at the same bits")
 
 
-def stage_of(result, name):
+def end_of(result, name):
     return Result(result.folder / name, result.code, result.text, 0.0)
 
 
@@ -235,14 +235,14 @@ def rigid_stages(report):
     staged = {k: v for k, v in base.items() if k != "analysis"} | {"stage": stages, "rigid": [first, second]}
     whole = solve("rigid_stages", staged)
     at_once = solve("rigid_at_once", base | {"rigid": [end | {"translation": ["-1*t", "0.75*t", "1*t"], "turn_axis": axis, "turn_angle": f"{angle}*t"}]})
-    last = stage_of(whole, "two").displacement()
+    last = end_of(whole, "two").displacement()
     report.below(np.abs(last - at_once.displacement()).max(), 1e-7, "the same place")
-    h, once = stage_of(whole, "two").history, at_once.history
+    h, once = whole.stage("two").history, at_once.history
     for part in ("x", "turn_x", "turn_y", "turn_z", "force_x", "force_z", "moment_x", "moment_y"):
         report.below(abs(h[f"end_{part}"][-1] - once[f"end_{part}"][-1]), 1e-5 * max(1.0, abs(once[f"end_{part}"][-1])), f"end_{part}")
     ranks = solve("rigid_stages_ranks", staged, 3)
-    report.below(np.abs(stage_of(ranks, "two").displacement() - last).max(), 1e-7, "on three ranks")
-    found = stage_of(whole, "three").summary["eigenvalues"]
+    report.below(np.abs(end_of(ranks, "two").displacement() - last).max(), 1e-7, "on three ranks")
+    found = whole.stage("three").summary["eigenvalues"]
     direct = solve("rigid_direct", base | {"analysis": "modal", "rigid": [{"group": "tip", "translation": [0, 0, 0], "turn": "held"}]}).summary["eigenvalues"]
     report.check(found[0] != direct[0] and found[0] > 0, f"modes about the turned strip: {found[0]:.4g}, {direct[0]:.4g} Hz flat")
 
@@ -256,7 +256,7 @@ def rigid_stage_loads(report):
     stages = [{"name": "one", "analysis": "static"}, {"name": "two", "analysis": "modal"}]
     both = solve("rigid_loaded", plain | {"rigid": [pull], "stage": stages})
     once = solve("rigid_loaded_once", base | {"analysis": "modal", "rigid": [pull], "eigen": {"modes": 3, "load_factor": 1.0}})
-    a, b = (np.array(r.summary["eigenvalues"]) for r in (stage_of(both, "two"), once))
+    a, b = (np.array(r.summary["eigenvalues"]) for r in (both.stage("two"), once))
     report.below(np.abs(a / b - 1).max(), 1e-6, f"frequencies about the loaded strip {a[0]:.5g} Hz")
     # A free spinning plate, and a strip whose end is driven, in two stages and at once
     time = {"step": 1 / 128, "max_step": 1 / 128, "velocity_tolerance": 1e-7, "spectral_radius": 0.9}
@@ -271,14 +271,14 @@ def rigid_stage_loads(report):
         unbroken = solve(f"rigid_{name}", case | {"analysis": "dynamic", "time": time | {"end": 0.5}})
         parts = [{"name": n, "analysis": "dynamic", "time": {"end": end}} for n, end in (("one", 0.25), ("two", 0.5))]
         split = solve(f"rigid_{name}_split", case | {"stage": parts, "time": time})
-        h, whole = stage_of(split, "two").history, unbroken.history
+        h, whole = split.stage("two").history, unbroken.history
         for part in ("x", "z", "turn_x", "turn_y", "turn_z"):
             report.below(abs(h[f"end_{part}"][-1] - whole[f"end_{part}"][-1]), 1e-3, f"{name}: end_{part} {whole[f'end_{part}'][-1]:.4g}")
         report.below(h["kinetic_energy"][-1] / whole["kinetic_energy"][-1] - 1, 0.01, f"{name}: kinetic energy")
         parts[1]["time"] = {"end": 0.375}
         half = solve(f"rigid_{name}_half", case | {"stage": parts, "time": time})
         again = run(OUT / f"rigid_{name}_split.toml", fresh("rigid_again"), options=["--from", "two", "--restart", half.folder / "two" / "checkpoint.h5"])
-        report.check(again.code == 0 and np.array_equal(stage_of(again, "two").displacement(), stage_of(split, "two").displacement()),
+        report.check(again.code == 0 and np.array_equal(end_of(again, "two").displacement(), end_of(split, "two").displacement()),
                      f"{name}: a stage that continues from its middle ends at the same bits")
     mistakes = {
         "late": ([pull | {"stages": ["two"]}], ("stage 'two'", "has not been rigid", "every stage")),
