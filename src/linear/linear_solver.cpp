@@ -99,6 +99,7 @@ void LinearSolver::prepare() {
   VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-pc_factor_mat_ordering_type", &given));
   if (lu && !given) VOILE_PETSC(PCFactorSetMatOrderingType(pc, MATORDERINGEXTERNAL));
   VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
+  if (lu) VOILE_PETSC(MatMumpsSetIcntl(factor(), mumps_finds_determinant, 1));
   VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-mat_mumps_icntl_14", &given));
   // MUMPS's own 20 % fails at random in parallel.
   if (!given) VOILE_PETSC(MatMumpsSetIcntl(factor(), mumps_workspace_percent, 100));
@@ -144,12 +145,25 @@ long LinearSolver::sparse_pivots() const {
   return count;
 }
 
-long LinearSolver::negative_eigenvalues() {
+int LinearSolver::determinant_sign() const {
+  if (!mumps_ || cholesky_ || factorisations_ == 0) return 0;
+  double mantissa = 0.0;
+  VOILE_PETSC(MatMumpsGetRinfog(factor(), mumps_determinant, &mantissa));
+  return mantissa > 0.0 ? 1 : mantissa < 0.0 ? -1 : 0;
+}
+
+NegativeEigenvalues LinearSolver::count_negative() {
   const bool symmetric = model_.conditions().symmetric();
-  if (const long known = symmetric ? negative_pivots() : -1; known >= 0 || !change().empty()) return known;
+  if (const long known = symmetric ? negative_pivots() : -1; known >= 0 || !change().empty()) return {known, known};
   const Inertia inertia = inertia_of(model_.tangent().matrix());
-  if (symmetric) return inertia.negative;
-  return inertia.conservative || inertia.negative == 0 ? inertia.negative : -1;
+  const long count = inertia.negative;
+  if (symmetric || inertia.conservative || count <= 0) return {count, count};
+  const int sign = determinant_sign();
+  if (sign == 0) return {};
+  // A real eigenvalue that passes zero turns the sign, a complex pair does not.
+  const bool odd = sign < 0;
+  const long likely = (count % 2 == 1) == odd ? count : count - 1;
+  return {odd ? likely : -1, likely};
 }
 
 long LinearSolver::certain_negative_eigenvalues() {
@@ -221,6 +235,7 @@ void LinearSolver::renew_factor(PetscInt workspace_percent) {
   VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent().matrix(), model_.tangent().matrix()));
   VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
   VOILE_PETSC(MatMumpsSetIcntl(factor(), mumps_workspace_percent, workspace_percent));
+  if (!cholesky_) VOILE_PETSC(MatMumpsSetIcntl(factor(), mumps_finds_determinant, 1));
 }
 
 void LinearSolver::tangent_changed() {

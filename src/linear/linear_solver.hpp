@@ -25,6 +25,12 @@ class LowRankSolution;
 /// Part of a right-hand side that a solution may leave which no iteration mends: far above round-off in the thinnest sheets.
 inline constexpr double well_solved = 1e-3;
 
+/// How many real eigenvalues of a tangent are negative; -1: not known.
+struct NegativeEigenvalues {
+  long certain = -1;  ///< where loads have no potential 0, or odd: one is at least
+  long likely = -1;   ///< where what they lack of one is small
+};
+
 class LinearSolver {
  public:
   /// The model must outlive the solver. Call `set_defaults`, the KSP's options, then `prepare`.
@@ -66,9 +72,11 @@ class LinearSolver {
   [[nodiscard]] PC inexact() const;
   /// Of the last factorisation; -1 if the solver does not tell. Collective.
   [[nodiscard]] long negative_pivots() const;
-  /// Negative eigenvalues of the model's last tangent, by a factor of its own where the solver does not tell: of its symmetric part where follower loads
-  /// make it unsymmetric, and -1 where those have no potential and the count is not 0. Collective.
-  [[nodiscard]] long negative_eigenvalues();
+  /// Negative eigenvalues of the model's last tangent, by a factor of its own where the solver does not tell: of its symmetric
+  /// part where follower loads make it unsymmetric. Where those have no potential and that count is not 0, the sign of the
+  /// determinant tells whether it is odd. Collective.
+  [[nodiscard]] NegativeEigenvalues count_negative();
+  [[nodiscard]] long negative_eigenvalues() { return count_negative().certain; }
   /// Those of them that round-off cannot make: they stay where each entry of the diagonal grows by some of its round-off. A motion
   /// that nothing resists, as of an unloaded sheet about its hinge, has the eigenvalue 0, and any sign. Collective.
   [[nodiscard]] long certain_negative_eigenvalues();
@@ -82,6 +90,8 @@ class LinearSolver {
   [[nodiscard]] double part_left(Vec rhs, Vec x) const;
   /// Negative pivots of what is factored, without what gases add.
   [[nodiscard]] long sparse_pivots() const;
+  /// Sign of the determinant of the last LU; 0: not known.
+  [[nodiscard]] int determinant_sign() const;
   [[nodiscard]] const system::LowRankChange& change() const { return model_.tangent().change(); }
 
   system::Model& model_;
@@ -95,6 +105,7 @@ class LinearSolver {
 };
 
 /// MUMPS's answers that Voile asks for, by number of the arrays ICNTL and INFOG in MUMPS's manual.
-inline constexpr int mumps_workspace_percent = 14, mumps_error = 1, mumps_negative_pivots = 12;
+inline constexpr int mumps_workspace_percent = 14, mumps_error = 1, mumps_negative_pivots = 12,
+                     mumps_finds_determinant = 33, mumps_determinant = 12;  // the last of RINFOG
 
 }  // namespace voile::linear

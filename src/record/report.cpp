@@ -54,7 +54,8 @@ std::string state_text(const input::Case& c, const Summary& s) {
   // Linear analysis looks at the sheet before the load.
   const bool unknown = s.negative_pivots < 0 || (c.analysis == input::Analysis::linear && s.negative_pivots == 0);
   return fmt::format("converged: residual {}{}", solve::part_of_forces(s.residual),
-                     unknown                  ? ""
+                     s.negative_pivots < 0    ? ", stability not known"
+                     : unknown                ? ""
                      : s.negative_pivots == 0 ? ", a stable equilibrium"
                                               : ", an unstable equilibrium");
 }

@@ -207,11 +207,17 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
                "grows (flutter); their frequencies are those of the real parts; follow the motion with analysis = "
                "\"dynamic\"\n",
                growing);
-  if (root && result.negative > 0)
+  long growing = result.negative;  // not known with loads that turn with the sheet
+  if (vibration) {
+    long slow = 0;
+    for (std::size_t i = 0; i < rigid.size(); ++i) slow += rigid[i] == 0 && result.modes[i].value < 0.0 ? 1 : 0;
+    growing = std::max(growing, slow);
+  }
+  if (root && growing > 0)
     fmt::print(stderr,
                "voile: warning: the equilibrium is unstable: {} mode(s) grow, and have their rate as a negative "
                "frequency\n",
-               result.negative);
+               growing);
   if (root && !(result.nonlinearity <= most_nonlinearity))
     fmt::print(
         stderr,

@@ -20,7 +20,9 @@ PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
   if (!t.good) return t;
   t.speed = std::sqrt(dot(load_solution, load_solution));
   t.good = std::isfinite(t.speed) && t.speed > 0.0;
-  t.negative_pivots = linear.negative_eigenvalues();
+  const linear::NegativeEigenvalues negative = linear.count_negative();
+  t.negative_pivots = negative.likely;
+  t.certain = negative.certain;
   if (!t.good) return t;
   VOILE_PETSC(VecCopy(mode, last_mode));
   t.eigenvalue = linear::inverse_iteration(model, linear, mode, iterations_per_step);

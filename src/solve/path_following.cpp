@@ -13,7 +13,8 @@ namespace {
 
 constexpr int locating_steps = 12;
 constexpr double shortest_doubt =
-    0.01;                         ///< of a step that has led off the path: shorter ones that fail end the search for it
+    0.01;  ///< of a step that has led off the path: shorter ones that fail end the search for it
+constexpr const char* singular = "the tangent is singular";
 constexpr double located = 1e-5;  ///< critical eigenvalue, relative to those on both sides, at which a point is found
 
 /// Extremum within (0, s) of the cubic with values y0, y1 and slopes d0, d1 of opposite sign at 0 and s.
@@ -27,6 +28,13 @@ double extremum(double s, double y0, double y1, double d0, double d1) {
     if (candidate >= 0.0 && candidate <= 1.0) t = candidate;
   const double h = t * t * (3.0 - 2.0 * t);
   return y0 + (y1 - y0) * h + s * (d0 * t * (1.0 - t) * (1.0 - t) - d1 * t * t * (1.0 - t));
+}
+
+std::string text_of_several(long modes) {
+  return fmt::format(
+      "{} modes become critical together, of which any mixture leaves the path: choose one by symmetry planes or an "
+      "[[imperfection]]",
+      modes);
 }
 
 }  // namespace
@@ -156,7 +164,7 @@ NewtonResult PathFollower::Impl::locate(Vec a, double& lambda, const Constraint&
   for (int k = 0; k < locating_steps; ++k) {
     const double fraction_of = low_value * high_value < 0.0 ? low_value / (low_value - high_value) : 0.5;
     const double part = low + std::clamp(fraction_of, 0.05, 0.95) * (high - low);
-    bool singular = false;
+    bool is_singular = false;
     // Where the tangent is singular to round-off the point is there: a little before it the load is the same.
     for (double short_of = 0.0; short_of < 0.1; short_of = std::max(10.0 * short_of, 1e-4)) {
       predict(fraction(constraint, part * (1.0 - short_of)), lambda);
@@ -165,9 +173,9 @@ NewtonResult PathFollower::Impl::locate(Vec a, double& lambda, const Constraint&
       if (!n.converged) return n;
       after = tangent_at(a);
       if (after.good) break;
-      singular = true;
+      is_singular = true;
     }
-    if (singular) break;
+    if (is_singular) break;
     const bool behind = after.negative_pivots != tangent.negative_pivots;
     (behind ? high : low) = part;
     (behind ? high_value : low_value) = after.eigenvalue;
@@ -224,10 +232,10 @@ PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda) 
   }
   if (t.newton.converged && !t.after.good) {
     t.newton.converged = false;
-    t.newton.reason = "the tangent is singular";
+    t.newton.reason = singular;
   }
   t.newton.factorisations = linear.factorisations() - before;
-  t.newton.negative_pivots = t.after.negative_pivots;
+  t.newton.negative_pivots = t.after.certain;
   return t;
 }
 
@@ -244,10 +252,12 @@ StepResult PathFollower::Impl::advance(system::State& state) {
     halve(state, r);
     return r;
   }
+  if (t.found && may_branch) together = std::abs(t.after.negative_pivots - tangent.negative_pivots);
   if (!state.previous) state.previous = model.dofs().create_vector();
   VOILE_PETSC(VecCopy(accepted, state.previous));
   accept(state.u, lambda, t.after);
   jumping = false;
+  lengthened = 0;
   if (length >= doubted) doubted = 0.0;
   model.potential().end_step(state.u);
   r.taken = std::sqrt(dot(previous, previous)) / unit;
@@ -261,6 +271,7 @@ StepResult PathFollower::Impl::advance(system::State& state) {
   r.critical = t.critical;
   r.mode = t.found ? static_cast<Vec>(mode) : nullptr;
   if (t.critical && remark) remark(text_of(*t.critical));
+  if (branching && together > 1 && remark) remark(text_of_several(together));
   const double growth = std::sqrt(static_cast<double>(options.target_iterations) / std::max(1, t.newton.iterations));
   if (!t.found) length = std::min(options.max_step * unit, length * std::clamp(growth, 0.5, 2.0));
   state.next_step = length / unit;
@@ -284,11 +295,40 @@ void PathFollower::Impl::jump_next() {
         factor));
 }
 
+/// Where a branch is flat its tangent stays singular near the bifurcation: a longer step passes that. Returns whether one is to be
+/// tried.
+bool PathFollower::Impl::lengthen(const StepResult& r) {
+  constexpr int most = 5;
+  constexpr double growth = 4.0;
+  if (r.newton.reason == singular && lengthened >= 0 && lengthened < most &&
+      growth * length <= options.max_step * unit) {
+    ++lengthened;
+    length *= growth;
+    return true;
+  }
+  if (lengthened > 0) length /= std::pow(growth, lengthened);
+  if (lengthened > 0) lengthened = -1;
+  return false;
+}
+
 /// After an attempt that failed.
 void PathFollower::Impl::halve(system::State& state, StepResult& r) {
+  if (lengthen(r)) {
+    VOILE_PETSC(VecCopy(accepted, state.u));
+    model.conditions().set_load_factor(factor);
+    if (remark)
+      remark(fmt::format("load factor {:.6g}: {}{}; step lengthened to {:.3g}", factor, branching ? "branching: " : "",
+                         r.newton.reason, length / unit));
+    r.outcome = Outcome::not_yet;
+    return;
+  }
   const bool searched = doubted > 0.0 && 0.5 * length < shortest_doubt * doubted;
   const bool last = !searched && 0.5 * length < options.min_step * unit;
-  const std::string place = last ? "; " + largest_residuals_at(model, state.u) : "";
+  const bool round_off = r.newton.reason == singular;
+  const std::string place = !last          ? ""
+                            : together > 1 ? "; " + text_of_several(together)
+                            : round_off    ? ", as on a flat branch: begin beside it, with an [[imperfection]]"
+                                           : "; " + largest_residuals_at(model, state.u);
   VOILE_PETSC(VecCopy(accepted, state.u));
   model.conditions().set_load_factor(factor);
   length *= 0.5;

@@ -38,16 +38,19 @@ struct PathFollower::Impl {
   bool branching = false, may_branch = false, stopped = false;
   double doubted = 0.0;  ///< length of the step that has first led off the path; 0: none since it was as long again
   bool jumping = false;  ///< to another path, as this one turns back
+  long together = 0;     ///< modes at the point where the path has branched
+  int lengthened = 0;    ///< how often, to pass a singular tangent; -1: in vain, since the last step
 
   /// What the tangent at an equilibrium tells.
   struct Tangent {
     bool good = false;
-    long negative_pivots = -1;
-    double eigenvalue = 0.0;  ///< of K in W, nearest to zero
-    double speed = 0.0;       ///< |x_f|
-    double kept = 0.0;        ///< |<m, m'>| of its mode m and the one found at the tangent before, m'
-    double pushed = 1.0;      ///< |m.f| / |m| |f| of the mode m of that eigenvalue: 0 where the load does no work on it
-  } tangent;                  ///< at the accepted state
+    long negative_pivots = -1;  ///< likely ones, for critical points
+    long certain = -1;          ///< for the verdict (linear::NegativeEigenvalues)
+    double eigenvalue = 0.0;    ///< of K in W, nearest to zero
+    double speed = 0.0;         ///< |x_f|
+    double kept = 0.0;          ///< |<m, m'>| of its mode m and the one found at the tangent before, m'
+    double pushed = 1.0;  ///< |m.f| / |m| |f| of the mode m of that eigenvalue: 0 where the load does no work on it
+  } tangent;              ///< at the accepted state
 
   /// The scalar equation that goes with r = 0.
   struct Constraint {
@@ -113,6 +116,7 @@ struct PathFollower::Impl {
   [[nodiscard]] Attempt try_step(Vec a, double& lambda);
   [[nodiscard]] StepResult advance(system::State& state);
   void jump_next();
+  [[nodiscard]] bool lengthen(const StepResult& r);
   void halve(system::State& state, StepResult& r);
   [[nodiscard]] double rate_of(const Tangent& t) const {
     return std::copysign(1.0 / t.speed, dot(increment, load_solution));

@@ -13,9 +13,9 @@ namespace {
 /// Fraction of its contact force that may be left over at a point which counts as at rest.
 constexpr double most_unbalanced = 0.5;
 
-/// Whether a contact force is the one that a stage has ended with.
+/// Whether a contact force is the one that a stage has ended with; where seams have been welded since, nearly.
 bool is_kept(const std::vector<double>& before, Index v, const Vec3& now) {
-  constexpr double same = 1e-6;
+  constexpr double same = 0.1;
   if (before.empty()) return false;
   const Vec3 was = Eigen::Map<const Vec3>(&before[3 * static_cast<std::size_t>(v)]);
   return (now - was).norm() <= same * was.norm();

@@ -255,6 +255,25 @@ def follower_pressure_is_judged(report):
     path = {"steps.control": "arc_length", "steps.at_critical_point": "stop"}
     stop = solve("ring_stop", variant(case, path))
     report.near(stop.summary["critical_points"][0]["load_factor"], 1.0, 0.01, "bifurcation on the path, over 3 E I/R^3")
+    # Open edges leave the pressure without a potential: the sign of the determinant tells then.
+    angle = math.pi / 3
+    arch = grid_mesh("trusting_arch.msh", lambda s, t: (math.sin(angle * (2 * s - 1)), 0.05 * t, math.cos(angle * (2 * s - 1))), (64, 2), {"a": "left", "b": "right", "c": "bottom", "d": "top"})
+    critical = ((math.pi / angle) ** 2 - 1) * 1e9 * 4e-3**3 / 12
+    open_edges = {"mesh": {"file": arch}, "material": [{"type": "isotropic", "young": 1e9, "poisson": 0.0, "thickness": 4e-3, "density": 1000}],
+                  "support": [{"type": "hinged", "group": ["a", "b"]}], "load": [{"type": "follower_pressure", "magnitude": -critical}],
+                  "probe": [{"name": "arch", "type": "displacement", "group": "sheet", "components": ["x"]}], "steps": {"initial_step": 0.25, "final_load_factor": 1.5}}
+    done = run(write_case(open_edges, OUT / "arch_open.toml"), fresh("arch_open"), 1, [], 120)
+    report.check(done.code == 5 and done.summary["negative_pivots"] == 1, f"between open edges: code {done.code}, {done.summary['negative_pivots']} negative")
+    stop = solve("arch_open_stop", variant(open_edges, path))
+    report.near(stop.summary["critical_points"][0]["load_factor"], 1.0, 0.01, "the bifurcation between them")
+    shaken = open_edges | {"analysis": "modal", "eigen": {"modes": 1, "load_factor": 1.5}}
+    report.check("1 mode(s) grow" in solve("arch_open_modes", shaken).text, "modes that grow there are said")
+    flat = open_edges | {"steps": {"control": "arc_length", "at_critical_point": "switch_branch", "initial_step": 0.2, "max_steps": 40}}
+    for name, support in (("open", []), ("mirrored", [{"type": "symmetry", "group": side, "normal": [0, 1, 0]} for side in "cd"])):
+        branch = run(write_case(flat | {"support": flat["support"] + support}, OUT / "arch_branch.toml"), fresh("arch_branch"), 1, [], 120)
+        h = branch.history
+        report.check(abs(h["arch_x"]).max() > 0.02 and abs(h["load_factor"][-1] - 1) < 0.6,
+                     f"{name} edges: the path leaves along a flat branch by {abs(h['arch_x']).max():.3g} m, to {h['load_factor'][-1]:.4g}")
     left = solve("ring_left", variant(case, {"load.0.magnitude": -390.0, "steps": None}) | {"analysis": "drape"})
     report.check(left.summary["negative_pivots"] == 0 and abs(left.history["a_x"][-1]) > 0.3,
                  f"drape leaves it: {left.history['a_x'][-1]:.3g} m, {left.summary['negative_pivots']} negative")
