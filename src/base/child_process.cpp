@@ -57,9 +57,10 @@ void limit_memory() {
 /// takes too long, also where it waits for a lock that another thread of the parent held.
 void become_child() {
   (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (const int number :
-       {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2, SIGALRM, SIGSYS})
+  for (const int number : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGALRM, SIGSYS})
     (void)std::signal(number, SIG_DFL);
+  // Those are for the run, which whole groups of processes get them with; it ends this child by its own end.
+  for (const int number : {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2}) (void)std::signal(number, SIG_IGN);
   (void)alarm(static_cast<unsigned>(limit_of_reading()));
   const rlimit no_core{0, 0};
   (void)setrlimit(RLIMIT_CORE, &no_core);
