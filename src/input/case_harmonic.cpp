@@ -127,11 +127,6 @@ void check_harmonic(const Case& c) {
   };
   if (std::none_of(c.probes.begin(), c.probes.end(), observes))
     refuse("[[probe]]", "the response is recorded at probes; add one of type \"displacement\"");
-  const auto reacts = [](const Probe& p) { return p.kind == Probe::Kind::reaction; };
-  if (!c.rigids.empty() && std::any_of(c.probes.begin(), c.probes.end(), reacts))
-    refuse("probe.type",
-           "and [[rigid]] groups the forces of supports are not known: a \"reaction\" cannot be recorded; remove the "
-           "probe, or use analysis = \"dynamic\"");
   for (const Probe& probe : c.probes)
     if (!observes(probe) && !c.is_staged())
       refuse("probe.type",

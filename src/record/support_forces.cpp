@@ -37,6 +37,7 @@ SupportForces::Rows SupportForces::of(Vec q) {
   model_.potential().start_step(a_, 0.0, 0.0);
   VOILE_PETSC(VecAXPY(rows.damping, -1.0, rows.stiffness));
   dynamics_.add_damping(q, rows.damping);
+  (void)model_.potential().configuration(a_);  // where rigid bodies have their mass
   dynamics_.add_coupled_inertia(q, dofs.create_vector(), rows.inertia);
   VOILE_PETSC(VecAXPY(rows.damping, dynamics_.options().mass_damping, rows.inertia));
   return {held(std::move(rows.stiffness)), held(std::move(rows.damping)), held(std::move(rows.inertia))};

@@ -18,8 +18,6 @@ class SupportForces {
   /// About `a`, with the damping of `options`. The model and `a` must outlive it. Collective.
   SupportForces(system::Model& model, Vec a, const system::DynamicsOptions& options, const solve::MassMatrix& mass);
 
-  /// Whether m_h is known: not with rigid groups, whose consistent mass is in their own unknowns.
-  [[nodiscard]] bool known() const { return model_.dofs().motions().empty(); }
   /// Of one displacement: the three factors of R, zero where nothing is held [N/m, N s/m, kg].
   struct Rows {
     petsc::VecHandle stiffness, damping, inertia;

@@ -140,7 +140,7 @@ void VibrationFields::write(double frequency, Vec x, Vec y, Complex of_base) {
     add(step.fields, "displacement_phase", "degree", Centre::vertex, 3, std::move(phase));
     add_stresses(combined(real, imaginary), step.fields, "_amplitude");
   }
-  if (forces_.known()) add_reactions(x, y, 2.0 * std::numbers::pi * frequency, of_base, step.fields);
+  add_reactions(x, y, 2.0 * std::numbers::pi * frequency, of_base, step.fields);
   mpi::on_root(place_.model.dofs().comm(), [&] { response_->write(step); });
 }
 

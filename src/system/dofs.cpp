@@ -142,6 +142,15 @@ void Dofs::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) cons
   for (std::size_t i = 0; i < u.size(); ++i) x[i] = local_.start[i] + u[i];
 }
 
+std::vector<Vec3> Dofs::point_changes(Vec da) const {
+  take_halo(da);
+  const petsc::ReadArray values(halo_);
+  std::vector<Vec3> u(static_cast<std::size_t>(local_.count()), Vec3::Zero());
+  for (Index i = 0; i < local_.count(); ++i)
+    for (const Share& s : fractions(i)) u[i] += s.map * Eigen::Map<const Vec3>(values.data() + 3 * s.vertex);
+  return u;
+}
+
 void Dofs::add_forces(std::vector<Vec3>& force, Vec f) const {
   for (std::size_t m = 0; m < mirrors_.size(); ++m) {
     const Mirror& g = mirrors_[m];

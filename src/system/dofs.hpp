@@ -83,6 +83,8 @@ class Dofs {
   [[nodiscard]] Vec3 offset(Index point) const;
   /// Displacements u and positions x of the local points, in global axes; both of size local().count(). Collective.
   void update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const;
+  /// How local points move with a change of the unknowns at the state that update_points() took last. Collective. [m]
+  [[nodiscard]] std::vector<Vec3> point_changes(Vec da) const;
   /// Adds forces on the local points, in global axes, to the rows of this rank; `force` is used up. Not collective.
   void add_forces(std::vector<Vec3>& force, Vec f) const;
 

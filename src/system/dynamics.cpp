@@ -148,15 +148,13 @@ void Dynamics::add_inertia(Vec a, Vec v, const MotionTime& at, Vec f) const {
 
 /// The consistent mass has no rows of what is held.
 void Dynamics::add_coupled_inertia(Vec a, Vec v, Vec f) const {
-  if (!consistent_ || !model_.dofs().motions().empty()) return;
+  if (!consistent_) return;
   const Dofs& dofs = model_.dofs();
   const petsc::VecHandle x = dofs.create_vector(), held = dofs.create_vector();
   VOILE_PETSC(VecWAXPY(x, options_.mass_damping, v, a));
   dofs.clear_fixed(x);
-  std::vector<Vec3> of(static_cast<std::size_t>(dofs.local().count())), places(of.size());
-  dofs.update_points(x, of, places);  // the sum with rest positions is not used
-  std::fill(places.begin(), places.end(), Vec3::Zero());
-  std::vector<Vec3>& forces = places;
+  const std::vector<Vec3> of = dofs.point_changes(x);
+  std::vector<Vec3> forces(of.size(), Vec3::Zero());
   for (const Discretisation::Element& e : model_.discretisation().elements()) {
     const double part =
         model_.discretisation().sheet().material(e.triangle).areal_density * dofs.mesh().area(e.triangle) / 12.0;

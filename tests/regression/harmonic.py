@@ -220,7 +220,6 @@ def harmonic_mistakes(report):
         ("load.type", "follower_pressure", {"harmonic": {"from": 1.0, "to": 50.0}, "load": [{"type": "follower_pressure", "magnitude": 1.0}]}),
         ("[[probe]]", "displacement", {"harmonic": base, "probe": []}),
         ("probe.type", "must be a displacement", {"harmonic": base, "probe": TIP + [{"name": "f", "type": "energy"}]}),
-        ("probe.type", "[[rigid]]", {"harmonic": base, "probe": [{"name": "f", "type": "reaction", "group": "clamp"}], "rigid": [{"group": "tip"}]}),
         ("[air]", "does not drag", {"harmonic": base, "air": {"normal_drag": 1.0}}),
         ("[contact]", "there is no contact", {"harmonic": base, "contact": {"distance": 1e-3}}),
         ("[remesh]", "nothing is remeshed", {"harmonic": base, "remesh": {"largest": 0.1}}),
