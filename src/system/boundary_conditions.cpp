@@ -96,7 +96,7 @@ BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Sup
       if (support == supported.end()) continue;
       for (int k = 0; k < 3; ++k) {
         const int mover = support->second.motion[static_cast<std::size_t>(k)];
-        if (mover >= 0) movers_.push_back({i, k, mover});
+        if (mover >= 0) movers_.push_back({i, k, mover, dofs.local().start[i]});
         if (mover >= 0 && supports_[static_cast<std::size_t>(mover)].follows) following.insert(3 * i + k);
       }
       for (int k = 0; k < 3; ++k)
@@ -151,44 +151,6 @@ void BoundaryConditions::set_time(double time) {
   move_supports(time);
 }
 
-void BoundaryConditions::move_supports(double time) {
-  for (std::size_t i = 0; i < supports_.size(); ++i)
-    if (supports_[i].rotation) rotations_[i] = supports_[i].rotation(time);
-  if (movers_.empty() && !rigid_.moves()) return;
-  const petsc::WriteArray motion(motion_);
-  rigid_.move(time, motion);
-  const LocalPoints& local = on_->dofs().local();
-  Vec3 own = Vec3::Zero();  // of the vertex and support of the mover before, which most have in common
-  Mover last{no_index, 0, -1};
-  for (const Mover& m : movers_) {
-    if (supports_[static_cast<std::size_t>(m.support)].follows) continue;
-    if (m.local != last.local || m.support != last.support)
-      own = on_->dofs().to_own(local.point_of[m.local],
-                               supports_[static_cast<std::size_t>(m.support)].motion(local.start[m.local], time));
-    motion[3 * m.local + m.component] = own[m.component];
-    last = m;
-  }
-}
-
-double BoundaryConditions::turn_between(double from, double to, bool by_load) const {
-  // A turn and back again, or by 360 degrees, is a turn.
-  constexpr int parts = 16;
-  double largest = 0.0;
-  if (by_load != motion_by_load_) return largest;
-  for (const Support& s : supports_) {
-    if (!s.rotation) continue;
-    double angle = 0.0;
-    Mat3 before = s.rotation(from);
-    for (int k = 1; k <= parts; ++k) {
-      const Mat3 now = s.rotation(from + (to - from) * k / parts);
-      angle += Eigen::AngleAxisd(before.transpose() * now).angle();
-      before = now;
-    }
-    largest = std::max(largest, angle);
-  }
-  return std::max(largest, rigid_.turn_between(from, to));
-}
-
 void BoundaryConditions::set_external(petsc::VecHandle force) {
   external_ = std::move(force);
   if (external_) external_on_bodies_ = rigid_.take(external_);
@@ -233,52 +195,6 @@ void BoundaryConditions::enforce(Vec a) const {
   const petsc::ReadArray prescribed(prescribed_), motion(motion_), hold(hold_);
   const petsc::WriteArray values(a);
   for (PetscInt i : on_->dofs().fixed()) values[i] = load_factor_ * prescribed[i] + motion[i] + hold[i];
-}
-
-void BoundaryConditions::prescribe_acceleration(const MotionTime& when, const std::function<double(double)>& factor,
-                                                Vec acceleration) {
-  const double before = when.time, after = when.end - when.time;
-  const bool central = std::min(before, after) >= when.step;
-  const int side = before > after ? -1 : 1;
-  // Differences to one side are eleven times as far off at the same step.
-  const double step = central ? when.step : std::min(0.1 * when.step, std::max(before, after) / 3.0);
-  // The last restores the time in force.
-  const std::vector<std::pair<int, double>> stencil =
-      central ? std::vector<std::pair<int, double>>{{-1, 1.0}, {1, 1.0}, {0, -2.0}}
-              : std::vector<std::pair<int, double>>{{3 * side, -1.0}, {2 * side, 4.0}, {side, -5.0}, {0, 2.0}};
-  const petsc::WriteArray values(acceleration);
-  for (PetscInt i : on_->dofs().fixed()) values[i] = 0.0;
-  add_differences_in_time(stencil, when.time, step, factor, values);
-  for (const PetscInt i : led_) values[i] /= step * step;
-}
-
-void BoundaryConditions::prescribe_velocity(const MotionTime& when, bool from_here,
-                                            const std::function<double(double)>& factor, Vec velocity) {
-  const double step = 1e-3 * when.step;  // before a corner at the time itself
-  const int side = from_here || when.time < 2.0 * step ? 1 : -1;
-  const petsc::WriteArray values(velocity);
-  for (const PetscInt i : led_) values[i] = 0.0;
-  add_differences_in_time({{2 * side, -1.0}, {side, 4.0}, {0, -3.0}}, when.time, step, factor, values);
-  for (const PetscInt i : led_) values[i] /= 2.0 * side * step;
-}
-
-void BoundaryConditions::add_differences_in_time(const std::vector<std::pair<int, double>>& weights, double time,
-                                                 double step, const std::function<double(double)>& factor,
-                                                 const petsc::WriteArray& to) {
-  if (!has_prescribed_) return;
-  for (const auto& [k, weight] : weights) {
-    const double at = time + k * step;
-    move_supports(at);
-    const petsc::ReadArray prescribed(prescribed_), motion(motion_);
-    for (const PetscInt i : led_) to[i] += weight * (factor(at) * prescribed[i] + motion[i]);
-  }
-}
-
-void BoundaryConditions::take_hold(Vec a, double time, double load_factor) {
-  move_supports(time);
-  const petsc::ReadArray unknown(a), prescribed(prescribed_), motion(motion_);
-  const petsc::WriteArray hold(hold_);
-  for (PetscInt i : on_->dofs().fixed()) hold[i] = unknown[i] - load_factor * prescribed[i] - motion[i];
 }
 
 void BoundaryConditions::write_off(const petsc::ReadArray& a, const petsc::WriteArray& out) const {

@@ -75,7 +75,7 @@ class BoundaryConditions {
                           Vec velocity);
   /// Supports take hold of what they hold where it is in state a: from now on prescribed displacements and motions count
   /// from there, a change of the load factor from `load_factor`, of the time (or of the load factor in its place) from
-  /// `time`. Collective.
+  /// `time`. A motion with a rotation turns them about its centre from where they are. Collective.
   void take_hold(Vec a, double time, double load_factor);
 
   [[nodiscard]] const RigidLoads& rigid() const { return rigid_; }
@@ -135,6 +135,7 @@ class BoundaryConditions {
   [[nodiscard]] int factor_of(const Load& load) const;
   void move_supports(double time);
   /// Adds sum_k w_k u(t + k step) of the prescribed places to the fixed components; the last puts the time in force.
+  void rebase_motions(Vec a, double time, double load_factor);
   void add_differences_in_time(const std::vector<std::pair<int, double>>& weights, double time, double step,
                                const std::function<double(double)>& factor, const petsc::WriteArray& to);
 
@@ -148,8 +149,9 @@ class BoundaryConditions {
   struct Mover {  ///< a component of an owned vertex whose support moves
     Index local;
     int component, support;
+    Vec3 rest;  ///< from which its motion is counted: where it starts, or would have to come from [m]
   };
-  std::vector<Mover> movers_;
+  std::vector<Mover> movers_;  ///< those of a vertex and support one after the other
   std::vector<PetscInt> led_;
   std::vector<Mat3> rotations_;
   std::unique_ptr<ElementTerm<energy::FollowerTerm>> followers_;

@@ -1,6 +1,7 @@
 """Regression tests of stages: what flows from one to the next, what they name, and where a run may begin."""
 
 import copy
+import math
 import re
 import signal
 
@@ -9,6 +10,7 @@ from harness import OUT, solve, test
 from common import fresh, lines, started, strip, wait_for
 from pattern_files import CLOTH, rectangle, svg
 from solver import Result, invoke, run, write_case
+from voile import Results
 
 
 def staged(stages, **changes):
@@ -58,6 +60,33 @@ def stages(report):
     report.check("had another" not in again.text, "nothing is said of the same material")
     again = run(file, whole.folder, 1, ["--from", "swing", "--set", "material.0.young=2.4e6"])
     report.check(again.code == 0 and "--from swing" in again.text and "had another [material]: young" in again.text, "of another one it is")
+
+
+@test
+def stages_turn(report):
+    """A support that turns in a later stage turns its group from where that is, about its centre, whatever has moved it before; also from a stop."""
+    first = {"type": "hinged", "group": "plate", "motion": ["0.5*t", "0", "0"], "rotation_axis": [0, 1, 0], "rotation_angle": "40*t", "stages": ["one"]}
+    second = {"type": "hinged", "group": "plate", "motion": ["0", "0", "0.2*t"], "rotation_axis": [0, 0, 1], "rotation_angle": "90*t", "rotation_centre": [1, 0, 0], "stages": ["two"]}
+    turn = lambda x, axis, angle: x @ np.array({"y": [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]],  # noqa: E731
+                                                "z": [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]}[axis]).T
+    for analysis in ("static", "dynamic"):
+        ends = (1.0, 1.0) if analysis == "static" else (1.0, 2.0)
+        stages = [stage(name, analysis, **({} if analysis == "static" else {"time": {"end": end, "step": 0.05}})) for name, end in zip(("one", "two"), ends)]
+        turned = second if analysis == "static" else second | {"rotation_angle": "90*(t-1)", "motion": ["0", "0", "0.2*(t-1)"]}
+        case = staged(stages, support=[first, turned], load=None, probe=None, nx=10)
+        case = {k: v for k, v in case.items() if v is not None}
+        for ranks in (1, 2):
+            whole = solve(f"stages_turn_{analysis}", case, ranks)
+            result = end_of(whole, "two")
+            start = Results(result.folder).mesh().positions
+            centre = np.array([1.0, 0, 0])
+            expected = turn(turn(start, "y", math.radians(40)) + [0.5, 0, 0] - centre, "z", math.radians(90)) + centre + [0, 0, 0.2]
+            report.below(np.abs(start + result.displacement() - expected).max(), 1e-12, f"{analysis}, {ranks} rank(s): where it is")
+        if analysis == "dynamic":
+            case["stage"][1]["time"]["end"] = 1.5
+            half = solve("stages_turn_half", case)
+            again = run(OUT / "stages_turn_dynamic.toml", fresh("stages_turn_again"), options=["--from", "two", "--restart", half.folder / "two" / "checkpoint.h5"])
+            report.below(np.abs(end_of(again, "two").displacement() - result.displacement()).max(), 1e-12, "from the middle of the turn")
 
 
 @test
