@@ -316,6 +316,22 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   return c;
 }
 
+/// Throws UserError for an obstacle with a motion in stages none of which moves obstacles.
+void require_moving_stage(const std::vector<Case>& stages) {
+  for (const Case& c : stages)
+    for (std::size_t i = 0; i < c.obstacles.size(); ++i) {
+      const std::size_t number = c.stage.obstacles[i];
+      const auto moves_it = [&](const Case& other) {
+        return other.analysis == Analysis::dynamic && contains(other.stage.obstacles, number);
+      };
+      if (c.obstacles[i].motion.any() && std::none_of(stages.begin(), stages.end(), moves_it))
+        throw UserError(
+            fmt::format("{}: obstacle.motion: '{}' moves in a stage with analysis = \"dynamic\" only, and none of its "
+                        "stages is one; add one that brings it in place, or place it there",
+                        c.file.string(), c.obstacles[i].shape.name));
+    }
+}
+
 Case read_whole_case(CaseReader& whole, const std::string& text, const std::filesystem::path& file,
                      const std::vector<std::string>& settings, const std::vector<Key>& top) {
   if (whole.stage_count() == 0) return read_case(whole, file, {}, {});
@@ -328,6 +344,7 @@ Case read_whole_case(CaseReader& whole, const std::string& text, const std::file
     before.add(stages.back());
   }
   assign_mode_stages(stages);
+  require_moving_stage(stages);
   Case c = stages.front();
   c.stage = {};
   c.stages = std::move(stages);

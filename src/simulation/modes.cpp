@@ -215,9 +215,9 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
   }
   if (root && growing > 0)
     fmt::print(stderr,
-               "voile: warning: the equilibrium is unstable: {} mode(s) grow, and have their rate as a negative "
+               "voile: warning: the equilibrium is unstable: {}{} mode(s) grow, and have their rate as a negative "
                "frequency\n",
-               growing);
+               growing > result.negative ? "at least " : "", growing);
   if (root && !(result.nonlinearity <= most_nonlinearity))
     fmt::print(
         stderr,

@@ -257,9 +257,11 @@ EigenResult modes_from(const system::Model& model, Mat mass, int count, double t
     VOILE_PETSC(KSPSetPostSolve(ksp, GasSolution::complete, &gas));
   }
   result.modes = solve(eps, model, result.asked_for);
-  below = found_below(eps);
   PetscScalar asked = target;
   VOILE_PETSC(EPSGetTarget(eps, &asked));
+  // Without symmetry none is below if none is of the symmetric part (Bendixson).
+  const bool symmetric = model.conditions().symmetric(), counts = symmetric || !model.tangent().change().empty();
+  below = counts ? found_below(eps) : asked == target ? std::max(0L, negative_of(model, target, mass)) : 0;
   if (asked != target) {
     const auto found =
         std::count_if(result.modes.begin(), result.modes.end(), [&](const Mode& m) { return m.eigenvalue < asked; });
@@ -323,7 +325,7 @@ EigenResult vibration_modes(system::Model& model, Vec a, int count, Mat mass) {
     target = lowest;
     for (int k = 0; below != 0 && k < most_targets; ++k) below = negative_of(model, target *= target_factor, mass);
     result = modes_from(model, mass, count, target, below);
-    result.negative = negative;
+    if (model.conditions().symmetric()) result.negative = negative;
   }
   for (Mode& mode : result.modes)
     mode.value = std::copysign(std::sqrt(std::abs(mode.eigenvalue)), mode.eigenvalue) / (2.0 * std::numbers::pi);

@@ -215,6 +215,12 @@ def said_lowest_modes(report):
         report.percent(values[0] / exact[0], 0.2, f"{count} mode(s) on {ranks} rank(s): the lowest eigenvalue, {values[0]:.4g} 1/s^2")
         if count == 8:
             report.check(sum(values < 0) == sum(np.array(exact) < 0) == done.history["negative_pivots"][-1], f"{sum(values < 0)} are negative")
+    # A follower load of no size makes the matrix unsymmetric.
+    turning = case | {"load": case["load"] + [{"type": "follower_pressure", "magnitude": 1e-9}], "eigen": {"modes": 2, "load_factor": 1.0}}
+    done = solve("said_lowest_turning", turning)
+    other = np.loadtxt(done.folder / "modes.csv", delimiter=",", skiprows=1, ndmin=2)[:, 2]
+    report.percent(other[0] / values[0], 1e-6, f"the lowest beside a follower load, {other[0]:.4g} 1/s^2")
+    report.check("at least 2 mode(s) grow" in done.text, "which is said to grow")
 
 
 @test

@@ -303,6 +303,8 @@ def stages_mistakes(report):
     mistakes = {
         "did you mean 'swing'": changed(lambda c: hold(c, ["swin"])),
         "a list of names of stages": changed(lambda c: hold(c, "swing")),
+        "obstacle.motion: 'ball' moves in a stage": changed(lambda c: c.update(contact={}, obstacle=[
+            {"name": "ball", "type": "sphere", "point": [5, 0.5, 1], "radius": 0.5, "motion": ["0", "0", "-t"], "stages": ["bend"]}])),
         "another stage has it": changed(lambda c: c["stage"].append(BEND)),
         "name of a folder": changed(lambda c: c["stage"][1].update(name="../swing")),
         "the key analysis is missing": changed(lambda c: c["stage"][1].pop("analysis")),
