@@ -107,15 +107,20 @@ void Remesher::keep(const system::Model& model, const adapt::Motion& motion, con
 }
 
 /// Puts the momentum of the old state into the velocities of the new one, and the energy that relaxation has set free, as
-/// far as small changes of velocity do. Collective.
+/// far as small changes of velocity do. Likewise its rate into accelerations, from which the next steps would draw it. Collective.
 void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& before) {
   const auto gathered = [](Epoch& e, Vec v) { return as_points(e.model().dofs().gather(v)); };
   const std::vector<double> old_mass = masses(old_epoch.model()), mass = masses(fresh.model());
   const std::vector<Vec3> old_u = gathered(old_epoch, old_epoch.state().u), u = gathered(fresh, fresh.state().u);
   const std::vector<Vec3> old_velocity = gathered(old_epoch, old_epoch.state().v);
   const double now = ledger(fresh).stored();
-  std::vector<Vec3> velocity = gathered(fresh, fresh.state().v);
-  std::vector<double> values;
+  std::vector<Vec3> velocity = gathered(fresh, fresh.state().v), acceleration, old_acceleration;
+  const bool accelerates = old_epoch.state().a && fresh.state().a;
+  if (accelerates) {
+    old_acceleration = gathered(old_epoch, old_epoch.state().a);
+    acceleration = gathered(fresh, fresh.state().a);
+  }
+  std::vector<double> values, rates;
   mpi::on_root(fresh.model().dofs().comm(), [&] {
     const system::Dofs& dofs = fresh.model().dofs();
     std::vector<char> held(velocity.size());
@@ -124,8 +129,12 @@ void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& befor
     const adapt::Momentum wanted = momentum(old_epoch.model(), {old_mass, old_places, old_velocity});
     keep(fresh.model(), {mass, places, velocity}, held, wanted, before.total() - now, velocity);
     values = as_values(velocity);
+    if (!accelerates) return;
+    adapt::conserve_momentum({old_mass, old_places, old_acceleration}, mass, places, held, acceleration);
+    rates = as_values(acceleration);
   });
   fresh.model().dofs().scatter(values, fresh.state().v);
+  if (accelerates) fresh.model().dofs().scatter(rates, fresh.state().a);
 }
 
 }  // namespace voile::remesh

@@ -109,6 +109,21 @@ def remesh_flying(report):
     report.check(flies.summary["vertices"] <= 81, f"free: {flies.summary['vertices']} vertices")
     held = solve("remesh_flying_held", case | {"initial_velocity": [], "support": [{"type": "clamped", "group": "left"}]})
     report.check(held.summary["vertices"] > 100, f"held along an edge: {held.summary['vertices']} vertices")
+    folds = {k: v for k, v in case.items() if k != "load"} | {
+        "material": [case["material"][0] | {"thickness": 2e-3}], "remesh": {"angle": 8.0}, "time": {"end": 0.2, "step": 4e-3, "spectral_radius": 1.0},
+        "initial_velocity": [{"velocity": [0.3, 0.1, -0.8]}, {"group": "left", "velocity": [0, 0, 1.6]}, {"group": "top", "velocity": [0, 0, 0.8]}],
+        "output": {"fields": ["velocity"], "every": 1}}
+    momenta, meshes = [], set()
+    for step in Results(solve("remesh_flying_folds", folds).folder):
+        mesh = step.mesh
+        x, t = mesh.positions, mesh.triangles
+        area = np.linalg.norm(np.cross(x[t[:, 1]] - x[t[:, 0]], x[t[:, 2]] - x[t[:, 0]]), axis=1) / 2
+        mass = np.bincount(t.ravel(), np.repeat(area / 3 * 0.8, 3), len(x))
+        momenta.append(mass @ step["velocity"])
+        meshes.add(len(x))
+    change = np.abs(np.array(momenta) - momenta[0]).max() / np.abs(momenta[0]).max()
+    report.check(len(meshes) > 2, f"one that folds: {len(meshes)} meshes")
+    report.below(change, 1e-9, "its momentum stays, in the steps after remeshings too")
 
 
 ELLIPSE = """Point(1) = {0, 0, 0, 0.03}; Point(2) = {0.16, 0, 0, 0.03}; Point(3) = {0, 0.13, 0, 0.03}; Point(4) = {-0.16, 0, 0, 0.03}; Point(5) = {0, -0.13, 0, 0.03};
