@@ -82,7 +82,7 @@ class ClusterBuilder {
     if (couples(sheet_.material(t))) {
       const Vec3 x = sheet_.mesh().start_corner(t, 0);
       throw UserError(
-          fmt::format("[[material]]: an unsymmetric laminate ends at a joint of sheets near "
+          fmt::format("[[material]]: an unsymmetric laminate ends at a hinge or a joint of sheets near "
                       "({:.4g}, {:.4g}, "
                       "{:.4g}) m; give the sheets that meet there a symmetric one",
                       x[0], x[1], x[2]));

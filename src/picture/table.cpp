@@ -28,6 +28,16 @@ std::vector<std::string> cells(const std::string& line) {
   return row;
 }
 
+/// Stages of a run, each with a table of its own.
+std::string folders_with_tables(const fs::path& place) {
+  std::vector<std::string> found;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(place, ignored))
+    if (fs::exists(entry.path() / "history.csv", ignored)) found.push_back(entry.path().string());
+  std::sort(found.begin(), found.end());
+  return join(found, ", ");
+}
+
 }  // namespace
 
 bool Table::has(const std::string& name) const {
@@ -46,9 +56,12 @@ Table read_table(const fs::path& place) {
   Table table;
   table.file = fs::is_directory(place, ignored) ? place / "history.csv" : place;
   std::ifstream in = open_input(table.file);
-  if (!in)
+  if (!in) {
+    const std::string stages = folders_with_tables(place);
     throw UserError(
-        fmt::format("{}: there is no such table; give the output folder of a run, or a CSV file", table.file.string()));
+        fmt::format("{}: there is no such table; give {}", table.file.string(),
+                    stages.empty() ? "the output folder of a run, or a CSV file" : "that of a stage: " + stages));
+  }
   for (std::string line; std::getline(in, line);) {
     if (line.find('\0') != std::string::npos)
       throw UserError(fmt::format("{}: this is no CSV file: it is not text", table.file.string()));
