@@ -1,6 +1,8 @@
 // Stages: what of a case each is, and supports that take hold of what they find.
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
+
 #include "input/case.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
@@ -159,14 +161,17 @@ TEST_CASE("mistakes in stages name file, line and remedy") {
   CHECK(has(error_of(staged, {"stage.3.name=x"}), "not the number of one of its 3 sections"));
 }
 
-TEST_CASE("supports take hold of what they find: value and motion count from there") {
+TEST_CASE("supports take hold of what they find: value, motion and rotation count from there") {
   mesh::MeshData d = grid(6, 3, true, 0.2, 3);
   add_square_groups(d);
   const mesh::SurfaceMesh mesh(d);
   system::ModelInput in;
   in.materials = {isotropic(1e5, 0.3, 0.01)};
   in.supports = {support("left", Kind::hinged), support("right", Kind::displacement)};
-  in.supports[0].motion = [](const Vec3& x, double t) { return Vec3(t * t, x[1] * t, -t); };
+  const Vec3 centre(0.3, -0.2, 0.1);
+  const auto turn = [](double t) { return Mat3(Eigen::AngleAxisd(t, Vec3(1.0, 2.0, -1.0).normalized())); };
+  const auto way = [](double t) { return Vec3(t * t, 0.2 * t, -t); };
+  in.supports[0].motion = [&](const Vec3& x, double t) { return Vec3(turn(t) * (x - centre) - (x - centre) + way(t)); };
   in.supports[1].components = {true, false, true};
   in.supports[1].x_axis = Vec3(1.0, 1.0, 0.5);
   in.supports[1].value = Vec3(0.1, 0.0, -0.2);
@@ -188,9 +193,9 @@ TEST_CASE("supports take hold of what they find: value and motion count from the
   model.conditions().enforce(b);
   const std::vector<Vec3> u = per_vertex(model, b);
   for (const Index v : mesh.group("left").vertices) {
-    const auto& motion = in.supports[0].motion;
-    const Vec3 x = mesh.positions()[v], wanted = found(v) + motion(x, t1) - motion(x, t0);
-    CHECK((u[v] - wanted).norm() < 1e-14);
+    const Vec3 x = mesh.positions()[v];
+    const Vec3 wanted = turn(t1) * turn(t0).transpose() * (x + found(v) - centre - way(t0)) + centre + way(t1) - x;
+    CHECK((u[v] - wanted).norm() < 1e-13);
   }
   const Vec3 x_axis = Vec3(1.0, 1.0, 0.5).normalized();
   for (const Index v : mesh.group("right").vertices) {
