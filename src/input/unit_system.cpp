@@ -40,6 +40,8 @@ const std::vector<Named>& named_units() {
                                     {"t", 1e3, mass},
                                     {"lb", pound, mass},
                                     {"oz", pound / 16.0, mass},
+                                    {"slug", pound * standard_gravity / (12.0 * inch), mass},
+                                    {"slinch", pound * standard_gravity / inch, mass},
                                     {"N", 1.0, force},
                                     {"mN", 1e-3, force},
                                     {"uN", 1e-6, force},

@@ -30,8 +30,9 @@ void take_bodies(const results::Checkpoint& c, const system::Dofs& dofs, const s
   if (each == 0) return;
   const double found = mpi::max(dofs.comm(), static_cast<double>(c.bodies.size()));
   const bool begins = mpi::max(dofs.comm(), c.displacement.empty() ? 0.0 : 1.0) == 0.0;
-  const bool next_stage = !begins && found == 0.0 && mpi::max(dofs.comm(), c.places.empty() ? 0.0 : 1.0) > 0.0;
-  if (next_stage) {
+  const double places = mpi::max(dofs.comm(), static_cast<double>(c.places.size()));
+  if (!begins && found == 0.0 && places == static_cast<double>(system::rigid_place_numbers * dofs.bodies().size())) {
+    // The next stage
     if (s.v) dofs.scatter_bodies(system::rates_at(c.places, dofs.bodies()), s.v);
     return;
   }

@@ -179,7 +179,7 @@ void read_bodies(hid_t file, const std::filesystem::path& path, Checkpoint& c) {
     fail_reading(path, "its number of places of rigid groups makes no sense");
   c.places = read_values(file, "body_places", static_cast<std::size_t>(places), path);
   for (const double v : c.places)
-    if (std::isinf(v)) fail_reading(path, "its places of rigid groups make no sense");
+    if (!std::isfinite(v)) fail_reading(path, "its places of rigid groups make no sense");
 }
 
 /// Older files have fewer numbers.

@@ -295,6 +295,22 @@ void move_vertex(const mesh::SurfaceMesh& mesh, const std::vector<Support>& supp
   }
 }
 
+/// Throws where a support holds still what another one moves, as far as a few times tell.
+void require_stillness(const mesh::SurfaceMesh& mesh, const std::vector<Support>& supports, const Support& still,
+                       Index v, const VertexSupport& at) {
+  const std::array<bool, 3> held = moved_components(still, at);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!held[k] || at.motion[k] < 0 || at.rotated()) continue;
+    const Support& mover = supports[static_cast<std::size_t>(at.motion[k])];
+    if (mover.follows) continue;
+    for (const double t : {1e-3, 0.37, 1.0})
+      if (std::abs(mover.motion(mesh.positions()[v], t)[static_cast<Eigen::Index>(k)]) > 0.0)
+        throw UserError(
+            fmt::format("{} moves vertex {}, which {} holds; leave it out of one of them, or give both the same motion",
+                        name_of(mover), mesh.data().vertex_tags[v], name_of(still)));
+  }
+}
+
 }  // namespace
 
 Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Support>& supports) {
@@ -311,6 +327,11 @@ Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Su
     if (!supports[i].motion && !supports[i].follows) continue;
     for (Index v : mesh.group(supports[i].group).vertices) move_vertex(mesh, supports, i, v, result.vertices.at(v));
   }
+  for (const Support& s : supports)
+    if (!s.motion && !s.follows && s.kind != Support::Kind::symmetry && !s.x_axis && !s.cylinder_axis)
+      for (Index v : mesh.group(s.group).vertices)
+        if (const auto at = result.vertices.find(v); at != result.vertices.end())
+          require_stillness(mesh, supports, s, v, at->second);
   return result;
 }
 

@@ -1,16 +1,15 @@
 #include "rigid_places.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <optional>
 
 namespace voile::system {
 
 namespace {
 
 /// Places of the parts among the numbers of a body.
-constexpr std::size_t first_displacement = 0, first_turn = 3, first_time = 7, displacement = 8, turn = 11,
-                      velocity = 15, spin = 18;
+constexpr std::size_t first_displacement = 0, first_turn = 3, first_time = 7, has_time = 8, displacement = 9,
+                      velocity = 16, spin = 19;
 
 template <class Vector>
 Vector part(const std::vector<double>& places, std::size_t body, std::size_t at) {
@@ -40,7 +39,8 @@ std::vector<double> rigid_places(const Discretisation& on, Vec u, Vec v) {
     turning << three(rates, 1), three(rates, 2).x();
     add(bodies[b].place.displacement);
     add(bodies[b].place.turn);
-    all.push_back(bodies[b].place.time.value_or(std::numeric_limits<double>::quiet_NaN()));
+    const std::optional<double>& time = bodies[b].place.time;
+    all.insert(all.end(), {time.value_or(0.0), time ? 1.0 : 0.0});
     add(motion.displacement());
     add(motion.quaternion());
     add(three(rates, 0));
@@ -54,6 +54,7 @@ void begin_stage_at(double time, std::vector<double>& places) {
     double* body = &places[rigid_place_numbers * b];
     std::copy(body + displacement, body + velocity, body + first_displacement);
     body[first_time] = time;
+    body[has_time] = 1.0;
   }
 }
 
@@ -62,8 +63,8 @@ void put_rigid_groups(const std::vector<double>& places, bool in_time, std::vect
     RigidPlace& place = groups[b].place;
     place.displacement = part<Vec3>(places, b, first_displacement);
     place.turn = part<Eigen::Vector4d>(places, b, first_turn);
-    const double time = places[rigid_place_numbers * b + first_time];
-    if (!std::isnan(time)) place.time = in_time ? time : 0.0;
+    const double* body = &places[rigid_place_numbers * b];
+    if (body[has_time] > 0.0) place.time = in_time ? body[first_time] : 0.0;
   }
 }
 

@@ -1,8 +1,8 @@
 // Where rigid bodies are and how they move, from one stage to the next: the unknowns of a body begin at nothing in each stage, since
 // they count from where the body is (rigid_bodies.hpp), and its keys with them.
 //
-// Numbers of each body, in the order of the groups: where the stage has begun (c_1, quaternion of R_1, its time or NaN), where the
-// body is (c, quaternion of R), and its velocity and spin [m/s], [rad/s].
+// Numbers of each body, in the order of the groups: where the stage has begun (c_1, quaternion of R_1, its time, and 1, or 0 if no
+// stage has), where the body is (c, quaternion of R), and its velocity and spin [m/s], [rad/s].
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace voile::system {
 
-inline constexpr std::size_t rigid_place_numbers = 21;
+inline constexpr std::size_t rigid_place_numbers = 22;
 
 /// The numbers of all bodies on rank 0, none on others; v: velocities of the unknowns, may be null. Collective.
 [[nodiscard]] std::vector<double> rigid_places(const Discretisation& on, Vec u, Vec v);

@@ -48,6 +48,11 @@ def units_declared(report):
     report.below(abs(b.history["tip_z"][-1] / a.history["tip_z"][-1] / 1e3 - 1.0), 1e-9, "deflection in mm over that in m, less 1000")
     report.check("units: mm, t, s" in b.text and "units:" not in a.text, "the header names the units")
     report.check(b.results[-1].unit("displacement") == "mm" and a.results[-1].unit("displacement") == "m", "fields have them")
+    inches = copy.deepcopy(metres) | {"units": {"length": "in", "mass": "slinch"}}
+    inches["mesh"]["scale"] = 1 / 0.0254
+    inches["material"][0]["young"] = 1.2e6 / 6894.757293168  # psi
+    c = solve("units_in", inches, 1)
+    report.below(abs(c.history["tip_z"][-1] / a.history["tip_z"][-1] * 0.0254 - 1.0), 1e-9, "and in inches, with a plain number in psi")
     for ending, words in (("obj", b"# lengths in mm"), ("stl", b"lengths in mm"), ("ply", b"comment lengths in mm")):
         code, said = invoke(["export", b.folder, "--output", OUT / f"units.{ending}"])
         report.check(code == 0 and words in (OUT / f"units.{ending}").read_bytes()[:200], f"an exported {ending} names the unit {said[:80]}")

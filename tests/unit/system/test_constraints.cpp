@@ -262,6 +262,11 @@ TEST_CASE("supports that share a vertex each move what they hold, and equal moti
     const Vec3 expected(x.x() == 0.0 ? 0.2 : 0.0, x.y() == 0.0 ? 0.4 : 0.0, 0.0);
     CHECK((Vec3(Eigen::Map<const Vec3>(&u[3 * static_cast<std::size_t>(v)])) - expected).norm() < 1e-15);
   }
+  // What one moves another one must not hold; at rest the motion along y and z is none.
+  CHECK(contains(refusal(mesh, {across, support("bottom", Kind::hinged)}), "moves vertex"));
+  CHECK(refusal(mesh, {moved("left", {true, true, true}, Vec3(0.1, 0.0, 0.0)),
+                       displacement("bottom", {false, true, true}, Vec3::Zero())})
+            .empty());
   auto one = moved("left", {true, true, true}, Vec3::Ones()), other = moved("bottom", {true, true, true}, Vec3::Ones());
   CHECK(contains(refusal(mesh, {one, other}), "both move vertex"));
   one.motion_text = other.motion_text = "t, t, t";
