@@ -26,7 +26,7 @@ struct Named {
 
 constexpr Powers none{}, length{1, 0, 0}, mass{0, 1, 0}, duration{0, 0, 1}, force{1, 1, -2}, pressure{-1, 1, -2},
     energy{2, 1, -2}, frequency{0, 0, -1}, temperature{0, 0, 0, 1};
-constexpr double pound = 0.45359237, standard_gravity = 9.80665, minute = 60.0;
+constexpr double pound = 0.45359237, standard_gravity = 9.80665;
 
 /// The first of each kind is SI's.
 const std::vector<Named>& named_units() {
