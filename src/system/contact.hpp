@@ -81,6 +81,9 @@ class Contact {
   [[nodiscard]] Clearance clear_predictor(Vec from, double t0, Vec to, double t1, bool may_pass = false);
 
  private:
+  /// Lets points that a stage has pressed with another barrier begin where this one presses as much as `before`. Collective.
+  void match_push(Vec a, const std::vector<double>& before, const std::vector<double>& gaps,
+                  const std::vector<double>& balanced);
   /// Sets `balanced`, per vertex and alike on all ranks, to 0 where the other forces (minus `others`) do not balance the
   /// normal contact force, unless that is `before`; true if that is new for some vertex. Collective.
   [[nodiscard]] bool note_unbalanced(Vec a, Vec others, const std::vector<double>& before,

@@ -13,12 +13,14 @@ namespace {
 /// Fraction of its contact force that may be left over at a point which counts as at rest.
 constexpr double most_unbalanced = 0.5;
 
-/// Whether a contact force is the one that a stage has ended with; where seams have been welded since, nearly.
-bool is_kept(const std::vector<double>& before, Index v, const Vec3& now) {
+/// A contact force beside the one that a stage has ended with; where seams have been welded since, that is it nearly.
+enum class Push { unknown, kept, grown };
+Push compare(const std::vector<double>& before, Index v, const Vec3& now) {
   constexpr double same = 0.1;
-  if (before.empty()) return false;
+  if (before.empty()) return Push::unknown;
   const Vec3 was = Eigen::Map<const Vec3>(&before[3 * static_cast<std::size_t>(v)]);
-  return (now - was).norm() <= same * was.norm();
+  if ((now - was).norm() <= same * was.norm()) return Push::kept;
+  return was.squaredNorm() > 0.0 && now.dot(was) > was.squaredNorm() ? Push::grown : Push::unknown;
 }
 
 }  // namespace
@@ -42,15 +44,39 @@ bool Contact::note_unbalanced(Vec a, Vec others, const std::vector<double>& befo
     for (Index i = 0; i < local.owned; ++i) {
       const Eigen::Map<const Vec3> own(g.data() + 3 * i), rest(r.data() + 3 * i);
       const Index v = local.point_of[i];
-      if (own.dot(own + rest) > most_unbalanced * own.squaredNorm() &&
-          !is_kept(before, v, scene_.dofs().to_global(v, own)))
-        now[v] = 0.0;
+      const Push is = compare(before, v, scene_.dofs().to_global(v, own));
+      const bool unbalanced = own.dot(own + rest) > most_unbalanced * own.squaredNorm();
+      if (is == Push::grown || (unbalanced && is != Push::kept)) now[v] = 0.0;
     }
   }
   mpi::min(scene_.dofs().comm(), now);
   const bool more = now != balanced;
   balanced = std::move(now);
   return more;
+}
+
+void Contact::match_push(Vec a, const std::vector<double>& before, const std::vector<double>& gaps,
+                         const std::vector<double>& balanced) {
+  constexpr int halvings = 12;
+  std::vector<std::size_t> pressed;
+  const auto of = [](const std::vector<double>& force, std::size_t v) {
+    return Vec3(Eigen::Map<const Vec3>(&force[3 * v]));
+  };
+  for (std::size_t v = 0; v < gaps.size() && !before.empty(); ++v)
+    if (balanced[v] == 0.0 && of(before, v).squaredNorm() > 0.0) pressed.push_back(v);
+  if (pressed.empty()) return;
+  std::vector<double> low = gaps, high(gaps.size(), scene_.input().options.distance);
+  for (int k = 0; k < halvings; ++k) {
+    for (const std::size_t v : pressed) memory_.gaps[v] = 0.5 * (low[v] + high[v]);
+    settle(scene_, memory_);
+    const std::vector<double> now = push(a);
+    for (const std::size_t v : pressed) {
+      const Vec3 was = of(before, v);
+      (of(now, v).dot(was) < was.squaredNorm() ? low : high)[v] = memory_.gaps[v];
+    }
+  }
+  for (const std::size_t v : pressed) memory_.gaps[v] = low[v];
+  settle(scene_, memory_);
 }
 
 void Contact::begin_settling(Vec a, Vec residual, double time) {
@@ -74,6 +100,7 @@ void Contact::begin_settling(Vec a, Vec residual, double time) {
     memory_.start = time;
     settle(scene_, memory_);
   }
+  match_push(a, before, gaps, balanced);
 }
 
 double Contact::grown_since(Vec a, double before) {

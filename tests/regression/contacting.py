@@ -205,6 +205,14 @@ def stages_in_impact(report):
     again = run(OUT / "impact_staged.toml", result.folder, 1, ["--from", "b"])
     report.check(again.code == 0, f"--from b: code {again.code}")
     report.percent(again.stage("b").history["kinetic_energy"][-1] / whole, 0.005, "the same from the checkpoint of the stage before")
+    # A barrier that is wider in the next stage begins where it presses as much.
+    rests = {k: v for k, v in case.items() if k != "initial_velocity"} | {
+        "load": [{"type": "gravity", "vector": [0, 0, -GRAVITY]}], "damping": {"mass": 40.0}, "mesh": case["mesh"] | {"translate": [0, 0, -0.0105]},
+        "stage": [{"name": "a", "analysis": "dynamic", "time": {"end": 0.4, "step": 2e-3}},
+                  {"name": "b", "analysis": "dynamic", "time": {"end": 0.5, "step": 2e-3}, "contact": {"distance": 0.015}}]}
+    result = solve("rest_wider", rests)
+    before, after = (result.stage(name).history["smallest_gap"] for name in "ab")
+    report.check(after.min() > 0.997 * before[-1] and after[-1] > 1.1 * before[-1], f"lifted from a gap of {before[-1]:.4g} to {after[-1]:.4g} m, the least {after.min():.4g}")
 
 
 @test
