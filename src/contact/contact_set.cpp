@@ -216,77 +216,6 @@ double ContactSet::obstacle_work(const std::vector<Vec3>& x, const Then& at_star
 
 // ---- friction ------------------------------------------------------------------------------------------------------
 
-Vec3 ContactSet::slip_of(const Sliding& s, const std::vector<Vec3>& x) const {
-  Vec3 w = s.carried - s.start;
-  for (int i = 0; i < 4; ++i)
-    if (s.points[i] != no_index) w += s.c[i] * x[s.points[i]];
-  return w;
-}
-
-double ContactSet::friction_work(const std::vector<Vec3>& x) const {
-  double sum = 0.0;
-  for (const Sliding& s : sliding_) {
-    if (!counted(s.points)) continue;
-    const double y = (s.tangents.transpose() * slip_of(s, x)).norm();
-    sum += s.force * friction_rate(y) * y * y;
-  }
-  return sum;
-}
-
-void ContactSet::follow_slips(const std::vector<Vec3>& x) {
-  for (Sliding& s : sliding_) {
-    const Vec2 r = s.tangents.transpose() * slip_of(s, x);
-    if (slips_known_ && r != s.slip) s.change = (r - s.slip).norm();
-    s.slip = r;
-  }
-  slips_known_ = true;
-}
-
-/// With the true second derivative what slips overshoots, sticks and slips in turns as long as iterates are far from
-/// the solution; near it the secant converges only linearly, and at the limit of sticking hardly at all.
-Mat2 ContactSet::friction_stiffness(const Vec2& r, bool secant) const {
-  const double y = r.norm(), rate = friction_rate(y);
-  Mat2 k = rate * Mat2::Identity();
-  if (!secant && y > 0.0) k -= r * r.transpose() / (y * std::pow(std::max(y, slip_), 2));
-  return k;
-}
-
-void ContactSet::add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, double normal_force,
-                             const std::vector<Vec3>& x, const std::vector<Vec3>& start) {
-  const double mu = surface_->rules[pair.body_a][pair.body_b].friction;
-  if (mu <= 0.0 || normal_force <= 0.0) return;
-  Sliding s{pair.points, c, {}, mu * normal_force, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), -1, 0.0, Vec3::Zero()};
-  s.tangents.col(0) = n.unitOrthogonal();
-  s.tangents.col(1) = n.cross(s.tangents.col(0));
-  double sheet = 0.0;
-  for (int i = 0; i < 4; ++i) {
-    if (pair.points[i] == no_index) continue;
-    const Vec3 part = c[i] * x[pair.points[i]];
-    s.start += c[i] * start[pair.points[i]];
-    if (surface_->is_sheet(pair.points[i])) {
-      s.place += part;
-      sheet += c[i];
-    } else {
-      s.carrier = surface_->body_of_point[pair.points[i]];
-      s.axis += part;
-      s.weight += c[i];
-    }
-  }
-  if (s.weight != 0.0) {
-    s.place /= sheet;
-    s.axis /= s.weight;
-  } else if (pair.points[1] == no_index) {
-    s.carrier = pair.body_b;  // a plane has no points
-  }
-  sliding_.push_back(s);
-}
-
-bool ContactSet::has_friction() const {
-  return std::any_of(surface_->rules.begin(), surface_->rules.end(), [](const auto& row) {
-    return std::any_of(row.begin(), row.end(), [](const Rule& r) { return r.touch && r.friction > 0.0; });
-  });
-}
-
 void ContactSet::lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3>& start, double slip) {
   sliding_.clear();
   slips_known_ = false;
@@ -308,15 +237,6 @@ void ContactSet::lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3
       add_sliding(plane_pair(p, i), Vec4::UnitX(), p.normal,
                   -options_.stiffness * surface_->area[i] * barrier(g, d).first, x, start);
     }
-}
-
-void ContactSet::carry(const Carrier& displacement) {
-  for (Sliding& s : sliding_) {
-    if (s.carrier < 0) continue;
-    // What the obstacle's points have moved is in the slip already; a plane has none.
-    s.carried = s.weight != 0.0 ? Vec3(s.weight * (displacement(s.carrier, s.place) - displacement(s.carrier, s.axis)))
-                                : Vec3(-displacement(s.carrier, s.place));
-  }
 }
 
 std::vector<double> ContactSet::smallest_gaps(const std::vector<Vec3>& x) const {

@@ -67,10 +67,11 @@ class ContactSet {
   /// `slip`: e [m].
   void lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3>& start, double slip);
   [[nodiscard]] bool has_friction() const;
-  /// Displacement since then of an obstacle's material at a place where it was then; empty: that of its points.
-  using Carrier = std::function<Vec3(int body, const Vec3& place)>;
-  /// Takes over how far surfaces have been carried along, e.g. by a spin that moves no point.
-  void carry(const Carrier& displacement);
+  /// Displacement since then of an obstacle's material at a place where it was then; none: its points move one by one.
+  using Carrier = std::function<std::optional<Vec3>(int body, const Vec3& place)>;
+  /// Takes over how far surfaces have been carried along, e.g. by a spin that moves no point. Where points move one by one from
+  /// `start` to `now` their triangles tell how the way to the sheet turns.
+  void carry(const Carrier& displacement, const std::vector<Vec3>& start, const std::vector<Vec3>& now);
 
   /// Barriers of pairs and planes with sheet point i begin at a gap of reach[i] at most [m]; empty: at the distance.
   void set_reaches(std::vector<double> reach) { reach_ = std::move(reach); }
@@ -134,6 +135,7 @@ class ContactSet {
     Vec3 place, axis;  ///< contact point on the sheet, and that of the obstacle's points
     int carrier;       ///< the obstacle's body, or -1
     double weight;     ///< sum of the obstacle's c_i
+    Index face;        ///< a triangle of the obstacle there; no_index: it has none
     Vec3 carried = Vec3::Zero();
     Vec2 slip = Vec2::Zero();  ///< at the last tangent
     double change = 0.0;       ///< of the slip between the last two tangents [m]
@@ -185,6 +187,8 @@ class ContactSet {
   [[nodiscard]] std::vector<double> gaps_of(const std::vector<Pair>& pairs, const std::vector<Vec3>& x, double limit,
                                             bool as_barrier) const;
   [[nodiscard]] double barrier_energy(const std::vector<Vec3>& x) const;
+  /// A triangle of an obstacle's point, or no_index.
+  [[nodiscard]] Index face_of(Index point);
   /// f0' over the size of a slip y [1/m].
   [[nodiscard]] double friction_rate(double y) const {
     return y >= slip_ ? 1.0 / y : 2.0 / slip_ - y / (slip_ * slip_);
@@ -214,6 +218,7 @@ class ContactSet {
   std::vector<Sliding> sliding_;
   std::vector<double> reach_;
   std::vector<std::uint64_t> passing_, passing_bits_;
+  std::vector<Index> face_of_point_;  ///< filled when first asked for
   double slip_ = 1.0;
   bool slips_known_ = false;
 };

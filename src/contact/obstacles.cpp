@@ -108,11 +108,13 @@ void Obstacles::place(double time, std::vector<Vec3>& x, std::vector<Plane>& pla
   }
 }
 
-Vec3 Obstacles::displacement(int body, const Vec3& place, double before, double now) const {
+std::optional<Vec3> Obstacles::displacement(int body, const Vec3& place, double before, double now) const {
   const std::optional<std::size_t> k = of_body(body);
-  if (!k || !list_[*k].motion) return Vec3::Zero();
+  if (!k) return Vec3::Zero();
+  if (list_[*k].frames) return std::nullopt;
+  if (!list_[*k].motion) return Vec3::Zero();
   const RigidMap then(list_[*k].motion, before), here(list_[*k].motion, now);
-  return here.a * (then.a.transpose() * (place - then.b)) + here.b - place;
+  return Vec3(here.a * (then.a.transpose() * (place - then.b)) + here.b - place);
 }
 
 std::vector<Vec3> Obstacles::points(std::size_t k, const std::vector<Vec3>& x) const {

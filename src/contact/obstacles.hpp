@@ -31,8 +31,8 @@ class Obstacles {
   /// Puts points and half-spaces where they are at a time [s].
   void place(double time, std::vector<Vec3>& x, std::vector<Plane>& planes) const;
   /// How far the material point of a body that is at `place` at the time `before` has gone until `now`, for rigid
-  /// motions; zero for others and for the sheet. [m]
-  [[nodiscard]] Vec3 displacement(int body, const Vec3& place, double before, double now) const;
+  /// motions; zero for what stands still and for the sheet; none where points move one by one. [m]
+  [[nodiscard]] std::optional<Vec3> displacement(int body, const Vec3& place, double before, double now) const;
   /// Positions of the points of an obstacle among all points; none for a half-space.
   [[nodiscard]] std::vector<Vec3> points(std::size_t k, const std::vector<Vec3>& x) const;
   /// Whether a triangle of the sheet with these corners is `apart` [m] from an obstacle, and not inside it.

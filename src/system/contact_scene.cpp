@@ -188,9 +188,10 @@ void ContactScene::lag_friction(double slip) {
 }
 
 void ContactScene::carry() {
-  set_->carry([this](int b, const Vec3& place) {
+  const auto displacement = [this](int b, const Vec3& place) -> std::optional<Vec3> {
     return held_ ? Vec3(Vec3::Zero()) : obstacles_->displacement(b, place, start_time_, time_);
-  });
+  };
+  set_->carry(displacement, points_.start, points_.now);
 }
 
 // ---- positions -----------------------------------------------------------------------------------------------------

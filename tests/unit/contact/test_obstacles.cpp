@@ -87,8 +87,8 @@ TEST_CASE("points of an obstacle are those among all points; a rigid motion take
   REQUIRE(at.size() == 8);
   CHECK(at[0] == Vec3(0.0, 2.0, 1.0));
   CHECK(s.obstacles.points(0, s.x)[7] == Vec3(1.0, 1.0, 1.0));
-  CHECK(s.obstacles.displacement(2, at[0], 0.5, 0.75).isApprox(Vec3(0.0, 0.0, 0.5)));
-  CHECK(s.obstacles.displacement(1, at[0], 0.5, 0.75) == Vec3::Zero());
+  CHECK(s.obstacles.displacement(2, at[0], 0.5, 0.75)->isApprox(Vec3(0.0, 0.0, 0.5)));
+  CHECK(*s.obstacles.displacement(1, at[0], 0.5, 0.75) == Vec3::Zero());
   CHECK(!s.obstacles.of_body(0));
   CHECK(!s.obstacles.of_body(3));
   CHECK(s.obstacles.of_body(2) == 1);
