@@ -11,6 +11,7 @@ import numpy as np
 from common import check_xdmf, drape_script, fresh, pixels, sheet_on_ball
 from harness import OUT, solve, test
 from panels import Panels
+from pattern_files import frames_file
 from solver import ROOT, invoke, run, variant, write_case
 
 
@@ -269,6 +270,27 @@ def contact_frames(report):
     top = (result.displacement()[:, 2]).max()
     report.check(top > tip - 0.02, f"the sheet reaches {top:.3f} m, the tip {tip:.3f} m")
     report.near(result.results[-1].obstacles[:, 2].max(), tip, 1e-6, "tip in the results [m]")
+
+
+@test
+def frames_that_tilt(report):
+    """A sheet that friction holds on a table which tilts goes with it, whether key frames or an angle tell its motion."""
+    corners = np.array([[x, y, 0.0] for x in (-0.2, 0.2) for y in (-0.2, 0.2)])
+    table = OUT / "tilting_table.obj"
+    table.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "f 1 3 4\nf 1 4 2\n")
+    rate, begin, turn = 100, 0.1, math.radians(25)
+    angles = [turn * min(max(k / rate - begin, 0) / 0.3, 1) for k in range(51)]
+    frames = [[[x * math.cos(a), y, -x * math.sin(a)] for x, y, _ in corners] for a in angles]
+    case = {"analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": 4, "side": 0.1}, "translate": [0, -0.05, 3e-3]},
+            "material": [{"type": "isotropic", "young": 1e7, "poisson": 0.3, "thickness": 1e-3, "density": 400.0}], "load": [{"type": "gravity", "vector": [0, 0, -9.81]}],
+            "contact": {"distance": 4e-3, "self": False}, "damping": {"mass": 20.0}, "time": {"end": 0.5, "step": 5e-3, "velocity_tolerance": 1e-5},
+            "output": {"fields": ["displacement"], "every": 1000}}
+    body = {"name": "table", "type": "mesh", "file": str(table), "friction": 1.0}
+    told = {"frames": frames_file("tilting_table.pc2", frames) | {"frames_per_second": rate},
+            "angle": {"rotation_axis": [0, 1, 0], "rotation_angle": f"25*min(max(t-{begin},0)/0.3,1)"}}
+    ends = {name: solve(f"tilting_{name}", case | {"obstacle": [body | motion]}).displacement() for name, motion in told.items()}
+    report.check(abs(ends["angle"][:, 2]).max() > 0.03, "the sheet goes with the table")
+    report.below(np.abs(ends["frames"] - ends["angle"]).max(), 1e-4, f"the gap times the angle would be {3.5e-3 * turn:.2g}: difference [m]")
 
 
 @test
