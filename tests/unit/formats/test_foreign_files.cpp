@@ -39,6 +39,12 @@ TEST_CASE("a child process: its bytes, its errors, its death") {
   CHECK_THROWS_WITH_AS(fails([] { (void)std::raise(SIGSEGV); })(), doctest::Contains("some.file: reading it failed"),
                        UserError);
   CHECK_THROWS_WITH_AS(fails([] { std::_Exit(0); })(), doctest::Contains("without an answer"), UserError);
+  // Signals to the whole group are for the run.
+  const auto signalled = [] {
+    for (const int number : {SIGTERM, SIGINT, SIGUSR1, SIGUSR2}) (void)std::raise(number);
+    return std::string("done");
+  };
+  CHECK(run_in_child("f", signalled) == "done");
   // What the child changes is not changed here.
   int here = 1;
   try_in_child("f", [&] { here = 2; });
