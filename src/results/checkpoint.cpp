@@ -1,5 +1,7 @@
 #include "checkpoint.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -51,6 +53,13 @@ void check_rest(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesystem
                  "its rest shape is another than that of this case; give the same mesh.rest and mesh.texture_unit");
 }
 
+/// Numbers of any count, which a reader is told; nothing if there are none.
+void write_counted(NewFile& file, const std::string& name, const std::vector<double>& values) {
+  if (values.empty()) return;
+  file.number("/", (name + "_count").c_str(), static_cast<double>(values.size()));
+  file.dataset(name, H5T_NATIVE_DOUBLE, 1, values.size(), values.data());
+}
+
 }  // namespace
 
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, const mesh::SurfaceMesh& mesh) {
@@ -94,20 +103,10 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
     file.number("/", "couplings_count", static_cast<double>(c.couplings.size()));
     file.dataset("couplings", H5T_NATIVE_DOUBLE, c.couplings.size() / 2, 2, c.couplings.data());
   }
-  if (!c.bodies.empty()) {
-    file.number("/", "bodies_count", static_cast<double>(c.bodies.size()));
-    file.dataset("bodies", H5T_NATIVE_DOUBLE, 1, c.bodies.size(), c.bodies.data());
-    file.number("/", "body_places_count", static_cast<double>(c.places.size()));
-    file.dataset("body_places", H5T_NATIVE_DOUBLE, 1, c.places.size(), c.places.data());
-  }
-  if (!c.leaks.empty()) {
-    file.number("/", "leaks_count", static_cast<double>(c.leaks.size()));
-    file.dataset("leaks", H5T_NATIVE_DOUBLE, 1, c.leaks.size(), c.leaks.data());
-  }
-  if (!c.slips.empty()) {
-    file.number("/", "slips_count", static_cast<double>(c.slips.size()));
-    file.dataset("slips", H5T_NATIVE_DOUBLE, 1, c.slips.size(), c.slips.data());
-  }
+  write_counted(file, "bodies", c.bodies);
+  write_counted(file, "body_places", c.places);
+  write_counted(file, "leaks", c.leaks);
+  write_counted(file, "slips", c.slips);
   if (!c.stability.empty()) file.dataset("stability", H5T_NATIVE_DOUBLE, 1, c.stability.size(), c.stability.data());
   if (!c.step_start.empty()) file.dataset("step_start", H5T_NATIVE_DOUBLE, 1, c.step_start.size(), c.step_start.data());
   if (!c.path.empty()) file.dataset("path", H5T_NATIVE_DOUBLE, 1, path_numbers, c.path.data());
@@ -165,21 +164,17 @@ void read_leaks(hid_t file, const std::filesystem::path& path, Checkpoint& c) {
       fail_reading(path, "what it has left of gases makes no sense");
 }
 
-void read_bodies(hid_t file, const std::filesystem::path& path, Checkpoint& c) {
-  if (!has(file, "bodies")) return;
-  const double count = read_number(file, "/", "bodies_count", path);
+/// What write_counted() has written, none in older files. `what`: for messages.
+std::vector<double> read_counted(hid_t file, const std::string& name, const std::filesystem::path& path,
+                                 const char* what) {
+  if (!has(file, name)) return {};
+  const double count = read_number(file, "/", (name + "_count").c_str(), path);
   if (!(count >= 1.0 && count < 1e9 && count == std::floor(count)))
-    fail_reading(path, "its number of unknowns of rigid groups makes no sense");
-  c.bodies = read_values(file, "bodies", static_cast<std::size_t>(count), path);
-  for (const double v : c.bodies)
-    if (!std::isfinite(v)) fail_reading(path, "its unknowns of rigid groups make no sense");
-  if (!has(file, "body_places")) return;  // an older file
-  const double places = read_number(file, "/", "body_places_count", path);
-  if (!(places >= 1.0 && places < 1e9 && places == std::floor(places)))
-    fail_reading(path, "its number of places of rigid groups makes no sense");
-  c.places = read_values(file, "body_places", static_cast<std::size_t>(places), path);
-  for (const double v : c.places)
-    if (!std::isfinite(v)) fail_reading(path, "its places of rigid groups make no sense");
+    fail_reading(path, fmt::format("its number of {} makes no sense", what));
+  std::vector<double> values = read_values(file, name, static_cast<std::size_t>(count), path);
+  for (const double v : values)
+    if (!std::isfinite(v)) fail_reading(path, fmt::format("its {} make no sense", what));
+  return values;
 }
 
 /// Older files have fewer numbers.
@@ -259,7 +254,8 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   read_anchors(file, mesh, path, c);
   read_couplings(file, mesh, path, c);
   read_slips(file, mesh, path, c);
-  read_bodies(file, path, c);
+  c.bodies = read_counted(file, "bodies", path, "unknowns of rigid groups");
+  c.places = read_counted(file, "body_places", path, "places of rigid groups");
   read_leaks(file, path, c);
   return c;
 }

@@ -82,7 +82,8 @@ void Contact::match_push(Vec a, const std::vector<double>& before, const std::ve
 void Contact::begin_settling(Vec a, Vec residual, double time) {
   const contact::ContactOptions& options = scene_.input().options;
   memory_.gaps.clear();
-  const std::vector<double> before = std::exchange(memory_.push, {});
+  std::vector<double> before = std::exchange(memory_.push, {});
+  if (before.size() != 3 * static_cast<std::size_t>(scene_.dofs().mesh().vertex_count())) before.clear();
   set_time(time);
   if (options.settle_time <= 0.0) return;
   scene_.take(a);
