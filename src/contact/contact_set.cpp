@@ -178,6 +178,32 @@ void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, 
     }
 }
 
+void ContactSet::add_force_on_bodies(const std::vector<Vec3>& x, std::vector<Vec3>& on) const {
+  Near n;
+  Vec12 g;
+  candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
+    const double d = reach(pair);
+    if (!counted(pair.points) || !near(pair, x, d, n)) return;
+    pair_gradient(pair, n, d, g);
+    for (int i = 0; i < 4; ++i)
+      if (const Index p = pair.points[i]; p != no_index) on[surface_->body_of_point[p]] -= g.segment<3>(3 * i);
+  });
+  for (const Plane& p : planes_)
+    for (Index i : candidates_.own_points()) {
+      const double gap = plane_gap(p, i, x), d = reach(i);
+      if (plane_acts(p, i) && gap < d)
+        on[p.body] += options_.stiffness * surface_->area[i] * barrier(gap, d).first * p.normal;
+    }
+  for (const Sliding& s : sliding_) {
+    if (!counted(s.points)) continue;
+    const Vec2 r = s.tangents.transpose() * slip_of(s, x);
+    const Vec3 force = s.force * friction_rate(r.norm()) * (s.tangents * r);
+    if (s.weight == 0.0 && s.carrier >= 0) on[s.carrier] += force;  // a plane has no points
+    for (int i = 0; i < 4; ++i)
+      if (const Index p = s.points[i]; p != no_index) on[surface_->body_of_point[p]] -= s.c[i] * force;
+  }
+}
+
 double ContactSet::obstacle_work(const std::vector<Vec3>& x, const Then& at_start) const {
   const std::vector<Vec3>& start = at_start.places;
   double sum = 0.0;

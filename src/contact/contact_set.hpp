@@ -104,6 +104,8 @@ class ContactSet {
   [[nodiscard]] double obstacle_work(const std::vector<Vec3>& x, const Then& start) const;
   /// Adds the derivative of the energy to f, per sheet point; right for own points only. [N]
   void add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part = both) const;
+  /// Adds the force that the sheet exerts on each body, friction included, to `on`; of this rank's share. [N]
+  void add_force_on_bodies(const std::vector<Vec3>& x, std::vector<Vec3>& on) const;
   /// Takes over how much each slip has changed since the last call with other positions; before hessian(x, true, ...).
   void follow_slips(const std::vector<Vec3>& x);
   /// Calls emit(point, point, block) for sheet points; `positive` drops negative eigenvalues pair by pair and takes

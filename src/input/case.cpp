@@ -81,9 +81,14 @@ void check_control(const SectionPlace& place, solve::StaticOptions& s, const std
     place.fail("control_probe", fmt::format("probe '{}' must be of type displacement with one component", probe.name));
 }
 
-void check_probe(const SectionPlace& place, const Probe& probe, const std::vector<Probe>& others) {
+void check_probe(const SectionPlace& place, const Probe& probe, const Case& c) {
   require_column_name(place, probe.name);
-  for (const Probe& other : others)
+  std::vector<std::string> known;
+  for (const ObstacleSection& o : c.obstacles) known.push_back(o.shape.name);
+  if (probe.kind == Probe::Kind::contact && !c.is_staged() && !contains(known, probe.obstacle))
+    place.fail("obstacle",
+               fmt::format("there is no [[obstacle]] '{}':{}", probe.obstacle, suggestion(probe.obstacle, known)));
+  for (const Probe& other : c.probes)
     if (other.name == probe.name) place.fail("name", fmt::format("'{}': another probe has this name", probe.name));
   if (probe.kind == Probe::Kind::height && probe.components.size() > 1)
     place.fail("components", "a height is along one axis; name the one that points up");
@@ -106,7 +111,9 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
     place.fail("end", "the axis has no length; a ball is type = \"sphere\"");
   if (s.type == Type::cylinder && (s.end - s.point).norm() == 0.0)
     place.fail("end", "the same as point, so that the axis has no length; move one of the two");
-  o.motion = motion_function(place, s.motion, c.is_staged() || c.analysis == Analysis::dynamic, "\"dynamic\"");
+  o.motion =
+      motion_function(place, s.motion, c.is_staged() || c.analysis == Analysis::dynamic || c.moves_obstacles_by_load(),
+                      "\"dynamic\" or \"static\"");
   if (o.shape == Shape::capsule)
     o.points = {s.point, s.end};
   else if (o.shape != Shape::mesh)
@@ -303,7 +310,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   read_remesh(reader, c);
   check_form(reader.read("form", 0, keys_of(c.form)), c);
   read_all(reader, "probe", c.probes,
-           [&](const SectionPlace& place, const Probe& probe) { check_probe(place, probe, c.probes); });
+           [&](const SectionPlace& place, const Probe& probe) { check_probe(place, probe, c); });
   check_control(steps, c.steps, c.probes);
   read_output(reader, c);
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
@@ -332,6 +339,19 @@ void require_moving_stage(const std::vector<Case>& stages) {
     }
 }
 
+/// Throws UserError for a probe of an obstacle that no stage has.
+void require_probed_obstacles(const std::vector<Case>& stages) {
+  for (const Probe& probe : stages.front().probes) {
+    const auto has_it = [&](const Case& c) {
+      return std::any_of(c.obstacles.begin(), c.obstacles.end(),
+                         [&](const ObstacleSection& o) { return o.shape.name == probe.obstacle; });
+    };
+    if (probe.kind == Probe::Kind::contact && std::none_of(stages.begin(), stages.end(), has_it))
+      throw UserError(fmt::format("{}: probe.obstacle: '{}': no stage has an [[obstacle]] of this name; correct it",
+                                  stages.front().file.string(), probe.obstacle));
+  }
+}
+
 Case read_whole_case(CaseReader& whole, const std::string& text, const std::filesystem::path& file,
                      const std::vector<std::string>& settings, const std::vector<Key>& top) {
   if (whole.stage_count() == 0) return read_case(whole, file, {}, {});
@@ -345,6 +365,7 @@ Case read_whole_case(CaseReader& whole, const std::string& text, const std::file
   }
   assign_mode_stages(stages);
   require_moving_stage(stages);
+  require_probed_obstacles(stages);
   Case c = stages.front();
   c.stage = {};
   c.stages = std::move(stages);

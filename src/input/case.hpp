@@ -104,7 +104,7 @@ struct SewingSection {
 
 /// Named numbers recorded in history.csv after every accepted step.
 struct Probe {
-  enum class Kind { displacement, reaction, energy, height, ease, stress };
+  enum class Kind { displacement, reaction, energy, height, ease, stress, contact };
   enum class Face { top, bottom };
   std::string name;  ///< of the columns, before suffixes such as _x _y _z
   Kind kind = Kind::displacement;
@@ -114,6 +114,7 @@ struct Probe {
   std::vector<int> components;  ///< 0, 1, 2; empty: all three; height: at most one, which points up, 2 if empty
   double ground = 0.0;          ///< height: where it counts from [m]
   Face face = Face::top;        ///< stress: of which surface
+  std::string obstacle = {};    ///< contact: its name
 };
 
 /// How a support moves: texts as written, turned into system::Support::motion.
@@ -343,6 +344,8 @@ struct Case {
   std::string staged_text;   ///< the case with its stages as TOML, with absolute paths
   /// Whether it is one of several stages: what moves in another one stands still in it.
   [[nodiscard]] bool is_staged() const { return !stage.name.empty(); }
+  /// Whether the load factor moves obstacles, instead of the time.
+  [[nodiscard]] bool moves_obstacles_by_load() const { return analysis == Analysis::statics && !is_staged(); }
   /// Whether it finds modes about an equilibrium instead of following a path; whether those are of vibration.
   /// Whether contact keeps the sheet from passing through itself, in some stage.
   [[nodiscard]] bool touches_itself() const {

@@ -131,10 +131,9 @@ std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& typ
       {.name = "motion",
        .slot = &m.translation,
        .meaning = "Displacement along the global axes by three expressions of t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", "
-                  "\"table(t, 0, 0, 1, 0.05)\"]`; `table` interpolates between pairs of time and value. Needs "
-                  "`dynamic`; supports "
-                  "move in `static` with `control = \"load\"` too, where t is the load factor; in `drape` t is 1, or "
-                  "the run's.",
+                  "\"table(t, 0, 0, 1, 0.05)\"]`; `table` interpolates between pairs of time and value. In "
+                  "`static` with `control = \"load\"` t is the load factor. Obstacles do not move in `drape`, nor in a "
+                  "`static` stage; for supports t is 1 in `drape`, or the run's.",
        .unit = "m",
        .types = types,
        .absent = "none"},

@@ -257,14 +257,15 @@ std::vector<Key> keys_of(Probe& s) {
                                    {"energy", Probe::Kind::energy},
                                    {"height", Probe::Kind::height},
                                    {"ease", Probe::Kind::ease},
-                                   {"stress", Probe::Kind::stress}}),
+                                   {"stress", Probe::Kind::stress},
+                                   {"contact", Probe::Kind::contact}}),
            .meaning =
                "`displacement`: mean over the length or area of a group, or of the vertex nearest to a point. "
                "`reaction`: total over a "
                "group. `energy`: of the shell. `height`: least, mean over the length or area, and largest of a group, "
                "columns `NAME_min`, `_mean`, `_max`. `ease`: least distance to the bodies and its mean over the "
                "area, `NAME_min`, `_mean`. `stress`: of a triangle in material axes, `NAME_11`, `_22`, `_12`, "
-               "`_von_mises`.",
+               "`_von_mises`. `contact`: total force that the sheet exerts on an obstacle, friction included.",
            .unit = "m, N, J, Pa",
            .required = true},
           {.name = "group",
@@ -281,10 +282,16 @@ std::vector<Key> keys_of(Probe& s) {
            .types = {"displacement", "stress"},
            .required_types = {"stress"},
            .absent = "none"},
+          {.name = "obstacle",
+           .slot = &s.obstacle,
+           .meaning = "Name of the obstacle whose force is observed.",
+           .types = {"contact"},
+           .required = true,
+           .absent = "none"},
           {.name = "components",
            .slot = &s.components,
            .meaning = "Which of `\"x\"`, `\"y\"`, `\"z\"` to record; of a height the one that points up.",
-           .types = {"displacement", "reaction", "height"},
+           .types = {"displacement", "reaction", "height", "contact"},
            .absent = "all three; height: `\"z\"`"},
           {.name = "ground",
            .slot = &s.ground,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "geometry/closest_triangle.hpp"
 #include "mesh/group_weights.hpp"
@@ -52,6 +53,16 @@ std::vector<std::string> parts_of(Kind kind, const std::vector<int>& components)
   std::vector<std::string> parts;
   for (const int k : components) parts.emplace_back(axis[static_cast<std::size_t>(k)]);
   return parts;
+}
+
+/// Of a stage that does not have the obstacle nothing is known.
+std::vector<double> force_on(const std::string& obstacle, const std::vector<int>& components,
+                             const std::vector<Vec3>& forces, const system::Contact* contact) {
+  std::vector<double> own(components.size(), std::nan(""));
+  for (std::size_t k = 0; k < forces.size(); ++k)
+    if (contact->scene().input().obstacles[k].name == obstacle)
+      std::transform(components.begin(), components.end(), own.begin(), [&](int i) { return forces[k][i]; });
+  return own;
 }
 
 /// Least, mean and largest height of the sheet, where `heights` are those of vertices that count as much as `weights`.
@@ -178,6 +189,8 @@ std::vector<double> Probes::values(const Observed& state, const system::Model& m
     } else if (probe.kind == Kind::stress) {
       const Vec3& s = state.stresses[stress++];
       own = {s[0], s[1], s[2], von_mises(s)};
+    } else if (probe.kind == Kind::contact) {
+      own = force_on(probe.obstacle, m.components, state.on_obstacles, model.contact());
     } else if (probe.kind == Kind::height) {
       own = range_of(heights(m, state.displacement, model.dofs().mesh(), probe.ground), m.weights);
     } else {

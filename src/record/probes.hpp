@@ -13,8 +13,9 @@ namespace voile::record {
 struct Observed {
   std::vector<double> displacement, reaction;  ///< [m], [N]
   system::Energies energies;
-  std::vector<double> ease;         ///< per vertex [m]; only if some probe needs it
-  std::vector<Vec3> stresses = {};  ///< of each probe of stress, likewise [Pa]
+  std::vector<double> ease;          ///< per vertex [m]; only if some probe needs it
+  std::vector<Vec3> stresses = {};   ///< of each probe of stress, likewise [Pa]
+  std::vector<Vec3> on_obstacles{};  ///< force on each obstacle of the stage, likewise [N]
 };
 
 /// What to say of probes whose point is farther from the nearest vertex than the triangles there are large. Not collective.
@@ -29,6 +30,7 @@ class Probes {
   [[nodiscard]] bool need_energies() const { return any(input::Probe::Kind::energy); }
   [[nodiscard]] bool need_ease() const { return any(input::Probe::Kind::ease); }
   [[nodiscard]] bool need_stresses() const { return any(input::Probe::Kind::stress); }
+  [[nodiscard]] bool need_contact() const { return any(input::Probe::Kind::contact); }
   [[nodiscard]] bool need_reactions() const { return any(input::Probe::Kind::reaction); }
   /// Of each probe of stress: 11, 22, 12. On rank 0. [Pa]
   [[nodiscard]] std::vector<Vec3> stresses(const system::Model& model, const system::TriangleFields& fields) const;

@@ -160,6 +160,7 @@ Recorder::Snapshot Recorder::snapshot(Vec a, const Motion& motion) {
   if (probes_->need_ease()) s.state.ease = system::ease(model_->contact()->scene(), a);
   if (system::Contact* contact = model_->contact()) {
     s.contact = system::report(contact->scene(), a);
+    if (probes_->need_contact()) s.state.on_obstacles = contact->forces_on_obstacles(a);
     if (case_.contact.check) s.intersections = count_intersections(a);
   }
   return s;

@@ -67,6 +67,12 @@ system::ModelInput placed(MPI_Comm comm, const input::Case& stage, system::Model
   return input;
 }
 
+bool moves_obstacles(const system::Model& model) {
+  if (!model.contact()) return false;
+  const std::vector<contact::Obstacle>& all = model.contact()->scene().input().obstacles;
+  return std::any_of(all.begin(), all.end(), [](const contact::Obstacle& o) { return static_cast<bool>(o.motion); });
+}
+
 bool goes_on(Origin origin) {
   return origin == Origin::epoch || origin == Origin::mesh || origin == Origin::saved;
 }
@@ -99,12 +105,17 @@ bool Epoch::ends_at(double time) const {
   return stage_.analysis == input::Analysis::dynamic && time >= end_ && end_ < stage_.time.options.end_time;
 }
 
+double Epoch::obstacle_time() const {
+  return stage_.moves_obstacles_by_load() ? state_.load_factor : state_.time;
+}
+
 void Epoch::prepare(Origin origin) {
   if (std::exchange(prepared_, true)) return;
   const bool in_time = stage_.analysis == input::Analysis::dynamic;
   if (model_.contact())
     model_.contact()->restore(in_time ? state_.contact : system::ContactMemory{{}, 0.0, state_.contact.push, {}});
   if (in_time || stage_.is_staged()) model_.set_time(state_.time);
+  if (model_.contact() && stage_.moves_obstacles_by_load()) model_.contact()->set_time(obstacle_time());
   model_.potential().attachments().attach(state_.u, state_.anchors);
   if (stage_.stage.continues()) take_hold(origin);
   if (goes_on(origin)) model_.conditions().set_load_factor(state_.load_factor);
@@ -166,7 +177,8 @@ void Epoch::make_path(const record::Recorder& recorder, Origin origin) {
                           std::any_of(stage_.materials.begin(), stage_.materials.end(), energy::has_initial_state);
     stepper_ = std::make_unique<solve::Equilibrium>(model_, constant && !is_given);
   } else if (steps.control == Control::load) {
-    stepper_ = std::make_unique<solve::LoadPath>(model_, steps);
+    stepper_ =
+        std::make_unique<solve::LoadPath>(model_, steps, stage_.moves_obstacles_by_load() && moves_obstacles(model_));
   } else {
     const petsc::VecHandle probe =
         steps.control_probe.empty() ? petsc::VecHandle{} : recorder.functional(steps.control_probe);

@@ -42,6 +42,8 @@ class Epoch {
   [[nodiscard]] double end() const { return end_; }
   /// Whether another epoch of the stage begins at this time.
   [[nodiscard]] bool ends_at(double time) const;
+  /// The time at which obstacles are where this state has them: the load factor, where that moves them.
+  [[nodiscard]] double obstacle_time() const;
   /// How many supports and attachments hold, for a message.
   [[nodiscard]] std::string holders() const;
   [[nodiscard]] bool moves() const { return stage_.analysis == input::Analysis::dynamic; }

@@ -16,6 +16,7 @@
 #include "setup/group_names.hpp"
 #include "setup/start_supports.hpp"
 #include "sewing.hpp"
+#include "stage_check.hpp"
 #include "system/contact.hpp"
 #include "voile/errors.hpp"
 #include "weld_settle.hpp"
@@ -54,7 +55,7 @@ void settle_contact_start(const Stage& stage, Epoch& epoch, Origin origin) {
   system::ContactMemory memory = epoch.state().contact;
   if (stage.c.analysis != input::Analysis::dynamic) memory.passing.clear();
   contact->restore(std::move(memory));
-  settle_start(stage.c, stage.options, *contact, epoch.state().u, epoch.state().time, origin == Origin::nothing);
+  settle_start(stage.c, stage.options, *contact, epoch.state().u, epoch.obstacle_time(), origin == Origin::nothing);
 }
 
 }  // namespace

@@ -4,22 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <utility>
 
 #include "base/mpi.hpp"
 #include "base/text.hpp"
-#include "excitation.hpp"
 #include "input/case_keys.hpp"
-#include "record/probes.hpp"
 #include "record/summary.hpp"
-#include "remesh/remesher.hpp"
-#include "setup/free_motions.hpp"
 #include "setup/model_input.hpp"
 #include "solve/load_path.hpp"
+#include "stage_check.hpp"
 #include "stage_options.hpp"
 #include "stage_rigid.hpp"
-#include "system/dynamics.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::simulation {
@@ -282,6 +277,7 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
       hold_over_loads(stages.back(), s);
       hold_over_temperatures(stages.back(), s, notes);
       hold_over_hinges(stages.back(), s, notes);
+      for (std::string& text : counted_from_welds(stages.back(), s)) notes.push_back(std::move(text));
       for (std::string& text : hold_over_rigids(&stages.back(), factor_at_end(stages.back().c), s))
         notes.push_back(std::move(text));
       if (stages.back().c.contact.input.active && one.finds_modes())
@@ -352,46 +348,6 @@ void require_factor(const Stage& stage, double reached) {
       "{}: stage '{}': what acts since the stage before stays at that one's final_load_factor = {:g}, but its path has "
       "ended at {:.10g}; give it final_load_factor = {:.10g}, or continue in a case of its own with --restart",
       stage.c.file.string(), stage.c.stage.name, *stage.held_at, reached, reached));
-}
-
-namespace {
-
-/// Linear buckling needs what grows; loads of earlier stages are held.
-void require_growth(const input::Case& c, const system::Model& model) {
-  const auto load_grows = [](const Load& l) { return !l.constant; };
-  const auto body_is_loaded = [](const input::RigidSection& s) {
-    return !s.group.constant && !(s.group.force.isZero(0.0) && s.group.moment.isZero(0.0));
-  };
-  const auto warms = [](const system::Temperature& t) {
-    return !t.constant || t.change.in_time || t.difference.in_time;
-  };
-  if (c.analysis != input::Analysis::buckling || model.conditions().has_prescribed() || !c.hinges.empty() ||
-      std::any_of(c.loads.begin(), c.loads.end(), load_grows) ||
-      std::any_of(c.rigids.begin(), c.rigids.end(), body_is_loaded) ||
-      std::any_of(c.temperatures.begin(), c.temperatures.end(), warms))
-    return;
-  throw UserError(
-      "analysis = \"buckling\" needs a load or a temperature that grows with the load factor, which those of earlier "
-      "stages do not; give it a [[load]] of its own with `stages`");
-}
-
-}  // namespace
-
-void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {
-  const system::Model model(stage.options.comm, mesh, stage.input);
-  if (stage.c.vibrates() || stage.c.analysis == input::Analysis::dynamic) system::require_mass(model);
-  (void)setup::check_free_motions(stage.c, model);
-  require_excitation(stage.c, model);
-  require_growth(stage.c, model);
-  (void)record::Probes(stage.c, model);
-  remesh::check_remesh(stage.options.comm, stage.c, mesh);
-} catch (const UserError& e) {
-  // The file stands before the stage, not between it and the section.
-  std::string_view what = e.what();
-  const std::string file = stage.c.file.string() + ": ";
-  const bool named = what.starts_with(file);
-  if (named) what.remove_prefix(file.size());
-  throw UserError(fmt::format("{}stage '{}': {}", named ? file : "", stage.c.stage.name, what));
 }
 
 }  // namespace voile::simulation

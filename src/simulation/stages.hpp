@@ -28,8 +28,4 @@ using remesh::Stage;
 /// Throws UserError if a stage holds things at another load factor than the one that the path before it has reached.
 void require_factor(const Stage& stage, double reached);
 
-/// Builds the model of a stage that is still to come, so that its mistakes show before any work. Collective. Throws
-/// UserError.
-void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh);
-
 }  // namespace voile::simulation

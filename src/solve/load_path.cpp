@@ -208,7 +208,8 @@ double LoadPath::next_target(double from, double step) const {
   };
   limit(options_.final_load_factor, 0.0);
   for (const double stop : options_.stops) limit(stop, slack);
-  const double fraction = fraction_by_turn(model_, from, target, true);
+  double fraction = fraction_by_turn(model_, from, target, true);
+  if (obstacles_move_) fraction = std::min(fraction, fraction_by_obstacles(model_, from, target));
   return fraction < 1.0 ? from + fraction * (target - from) : target;
 }
 
@@ -232,11 +233,25 @@ StepResult LoadPath::begin(system::State& state) {
   return r;
 }
 
-/// From the accepted state to equilibrium at the model's load factor, friction included.
-NewtonResult LoadPath::settle(Vec a, bool by_continuation) {
+void LoadPath::set_load_factor(double factor) {
+  model_.conditions().set_load_factor(factor);
+  if (obstacles_move_) model_.contact()->set_time(factor);
+}
+
+NewtonResult LoadPath::settle(double from, double to, Vec a, bool by_continuation) {
   const auto solve = [&] { return by_continuation ? newton_->continuation(a) : newton_->step(a); };
+  set_load_factor(from);
   VOILE_PETSC(VecCopy(accepted_, a));
   newton_->start_friction(accepted_);
+  model_.conditions().set_load_factor(to);
+  if (obstacles_move_) {
+    const system::Contact::Clearance way = model_.contact()->clear_predictor(accepted_, from, a, to);
+    if (!way.clear) {
+      NewtonResult none;
+      none.reason = "an obstacle leaves no room: " + way.obstruction;
+      return none;
+    }
+  }
   return newton_->settle_friction(a, solve(), solve);
 }
 
@@ -251,7 +266,7 @@ StepResult LoadPath::advance(system::State& state) {
     return attempt(state);
   } catch (const Interrupted& e) {
     VOILE_PETSC(VecCopy(accepted_, state.u));
-    model_.conditions().set_load_factor(state.load_factor);
+    set_load_factor(state.load_factor);
     r.interrupted = true;
     r.reason = e.what();
     return r;
@@ -266,13 +281,12 @@ StepResult LoadPath::attempt(system::State& state) {
     r.newton_iterations += r.newton.iterations;
     r.factorisations += r.newton.factorisations;
   };
-  model_.conditions().set_load_factor(target);
-  r.newton = settle(state.u, false);
+  r.newton = settle(state.load_factor, target, state.u, false);
   tally();
   if (!r.newton.converged && options_.fallback && halvings_ == halvings_before_continuation) {
     remark(fmt::format("load factor {:.6g}: {} after {} iterations; trying pseudo-transient continuation", target,
                        r.newton.reason, r.newton.iterations));
-    r.newton = settle(state.u, true);
+    r.newton = settle(state.load_factor, target, state.u, true);
     tally();
     r.by_continuation = true;
   }
@@ -305,7 +319,7 @@ StepResult LoadPath::attempt(system::State& state) {
 void LoadPath::halve(system::State& state, StepResult& r, double target, double taken) {
   const std::string place = 0.5 * taken < options_.min_step ? "; " + largest_residuals_at(model_, state.u) : "";
   VOILE_PETSC(VecCopy(accepted_, state.u));
-  model_.conditions().set_load_factor(state.load_factor);
+  set_load_factor(state.load_factor);
   ++halvings_;
   step_ = 0.5 * taken;
   remark(fmt::format("load factor {:.6g}: {} after {} iterations; step halved to {:.3g}", target, r.newton.reason,

@@ -17,8 +17,9 @@ void read_path_options(MPI_Comm comm, StaticOptions& options);
 /// Load control.
 class LoadPath : public Stepper {
  public:
-  /// The model must outlive it.
-  LoadPath(system::Model& model, StaticOptions options) : model_(model), options_(std::move(options)) {}
+  /// Obstacles are where they are at the load factor, if `obstacles_move` says so. The model must outlive it.
+  LoadPath(system::Model& model, StaticOptions options, bool obstacles_move = false)
+      : model_(model), options_(std::move(options)), obstacles_move_(obstacles_move) {}
 
   /// A state that is not in equilibrium is brought to one at its load factor first.
   [[nodiscard]] StepResult begin(system::State& state) override;
@@ -28,11 +29,14 @@ class LoadPath : public Stepper {
  private:
   [[nodiscard]] double next_target(double from, double step) const;
   [[nodiscard]] StepResult attempt(system::State& state);
-  [[nodiscard]] NewtonResult settle(Vec a, bool by_continuation);
+  /// From the accepted state at load factor `from` to equilibrium at `to`, friction included.
+  [[nodiscard]] NewtonResult settle(double from, double to, Vec a, bool by_continuation);
+  void set_load_factor(double factor);
   void halve(system::State& state, StepResult& r, double target, double taken);
 
   system::Model& model_;
   StaticOptions options_;
+  bool obstacles_move_;
   std::optional<Newton> newton_;
   petsc::VecHandle accepted_;
   double step_ = 0.0;

@@ -30,6 +30,18 @@ inline double fraction_by_turn(const system::Model& model, double from, double t
   return fraction;
 }
 
+/// The same, in which no obstacle goes farther than a step of the sheet may. Not collective.
+inline double fraction_by_obstacles(const system::Model& model, double from, double to) {
+  const double cell = std::sqrt(model.discretisation().mean_area());
+  double fraction = 1.0;
+  for (int k = 0; k < 60; ++k) {
+    const double way = model.contact()->scene().way_of_obstacles(from, from + fraction * (to - from));
+    if (way <= 1.0001 * trusted_cells * cell) break;
+    fraction *= std::clamp(trusted_cells * cell / way, 0.1, 0.9);
+  }
+  return fraction;
+}
+
 /// Fraction of the increment -y that contact lets state x take; 1 without contact. `scratch` is overwritten. Collective.
 inline double allowed_fraction(system::Model& model, Vec x, Vec y, Vec scratch) {
   if (!model.contact()) return 1.0;

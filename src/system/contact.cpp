@@ -51,6 +51,20 @@ double Contact::friction_work(Vec a) {
   return mpi::sum(scene_.dofs().comm(), scene_.set().friction_work(scene_.points().now));
 }
 
+std::vector<Vec3> Contact::forces_on_obstacles(Vec a) {
+  scene_.take(a);
+  std::vector<Vec3> on_bodies(scene_.set().surface().bodies.size(), Vec3::Zero());
+  scene_.set().add_force_on_bodies(scene_.points().now, on_bodies);
+  std::vector<Vec3> all;
+  for (std::size_t k = 0; k < scene_.obstacles().size(); ++k) {
+    const Vec3& own = on_bodies[static_cast<std::size_t>(scene_.obstacles().body(k))];
+    Vec3 sum;
+    for (int i = 0; i < 3; ++i) sum[i] = mpi::sum(scene_.dofs().comm(), own[i]);
+    all.push_back(sum);
+  }
+  return all;
+}
+
 double Contact::obstacle_work(Vec a) {
   scene_.take(a);
   const ContactScene::Points& points = scene_.points();

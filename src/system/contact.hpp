@@ -61,6 +61,8 @@ class Contact {
   [[nodiscard]] double energy(Vec a, contact::ContactSet::Part part = contact::ContactSet::both);
   /// What friction takes from the start of the step to state a, with the forces there. Collective. [J]
   [[nodiscard]] double friction_work(Vec a);
+  /// The force that the sheet exerts on each obstacle at state a, friction included, the same on every rank. Collective. [N]
+  [[nodiscard]] std::vector<Vec3> forces_on_obstacles(Vec a);
   /// Work of what moves the obstacles from the start of the step, with the normal forces at state a. Collective. [J]
   [[nodiscard]] double obstacle_work(Vec a);
   /// Adds the derivative of the energy to f (all components, fixed ones too). Collective. [N]

@@ -170,6 +170,21 @@ void ContactScene::place_obstacles(double time, std::vector<Vec3>& x, std::vecto
   obstacles_->place(held_.value_or(time), x, planes);
 }
 
+double ContactScene::way_of_obstacles(double before, double now) const {
+  std::vector<Vec3> from = points_.now, to = from;
+  std::vector<contact::Plane> planes = set_->planes(), then = planes;
+  place_obstacles(before, from, then);
+  place_obstacles(now, to, planes);
+  double way = 0.0;
+  for (std::size_t p = static_cast<std::size_t>(set_->surface().sheet_points); p < to.size(); ++p)
+    way = std::max(way, (to[p] - from[p]).norm());
+  const mesh::SurfaceMesh& sheet = dofs_->mesh();
+  for (std::size_t k = 0; k < planes.size(); ++k)
+    for (const Vec3& x : sheet.positions())
+      way = std::max(way, std::abs((planes[k].normal - then[k].normal).dot(x) - (planes[k].level - then[k].level)));
+  return way;
+}
+
 void ContactScene::begin_step() {
   start_time_ = time_;
   points_.start = points_.now;

@@ -266,3 +266,55 @@ def start_inside(report):
     done = solve("start_inside", case)
     loss = done.history["numerical_loss"][-1]
     report.check(loss < -1e-6 and "has created" not in done.text, f"numerical loss {loss:.3g} J, that of the barrier, and no warning")
+
+
+@test
+def ring_between_plates(report):
+    """An obstacle that moves by the load factor: a quarter of a ring under a plate, against the elastica (runs/contact/exact)."""
+    width, distance, wanted = math.pi / 48, 1e-3, {0.2: 2.11530, 0.4: 3.98761}
+    stiff = np.diag([1, 1, 0.5])
+    case = {"analysis": "static",
+            "mesh": {"file": str(ROOT / "meshes" / "cylinder.geo"),
+                     "parameters": {"radius": 1.0, "length": 2 * width, "n_axial": 1, "n_circ": 24, "pattern": 1}},
+            "material": [{"type": "matrices", "membrane": (1e5 * stiff).tolist(), "bending": stiff.tolist()}],
+            "support": [{"type": "symmetry", "group": "crown", "normal": [1, 0, 0]}, {"type": "symmetry", "group": "flank", "normal": [0, 0, 1]},
+                        {"type": "displacement", "group": "shell", "components": ["y"]}],
+            "contact": {"distance": distance, "stiffness": 1e5, "self": False},
+            "obstacle": [{"name": "plate", "type": "plane", "point": [0, 0, 1 + distance], "normal": [0, 0, -1],
+                          "motion": ["0", "0", f"-{max(wanted) + 2 * distance}*t"]}],
+            "probe": [{"name": "plate", "type": "contact", "obstacle": "plate"},
+                      {"name": "crown", "type": "displacement", "group": "crown", "components": ["z"]}],
+            "steps": {"max_step": 0.1}}
+    for ranks in (1, 2):
+        result = solve(f"ring_between_plates_{ranks}", case, ranks)
+        way, force = -result.history["crown_z"], 2 * result.history["plate_z"] / width
+        for d, exact in wanted.items():
+            at = np.argsort(np.abs(way - d))[:4]
+            report.percent(np.polyval(np.polyfit(way[at] - d, force[at], 3), 0) / exact, 0.003, f"{ranks} rank(s), d = {d:g}: force of a plate")
+    places = [step.obstacles[0, 2] for step in result.results]
+    report.check(places[-1] < places[0] - 0.4, f"its place is recorded: {places[0]:.4g} to {places[-1]:.4g}")
+
+
+@test
+def ball_turns_on_plate(report):
+    """A ball pressed into a plate turns there by the load factor: the rim holds against what the ball bears, friction moves the plate, a restart keeps every bit."""
+    case = {"analysis": "static", "mesh": {"file": str(ROOT / "meshes" / "disc.geo"), "parameters": {"n": 8}},
+            "material": [{"type": "isotropic", "young": 1e9, "poisson": 0.3, "thickness": 1e-3}],
+            "support": [{"type": "clamped", "group": "edge"}], "contact": {"distance": 1e-3, "stiffness": 1e6, "self": False},
+            "probe": [{"name": "ball", "type": "contact", "obstacle": "ball"}, {"name": "rim", "type": "reaction", "group": "edge"}]}
+    ball = {"name": "ball", "type": "sphere", "radius": 0.1, "point": [0, 0, 0.101], "friction": 0.5,
+            "motion": ["0", "0", "-0.02*min(2*t, 1)"], "rotation_axis": [1, 0, 0], "rotation_centre": [0, 0, 0.08], "rotation_angle": "10*max(2*t - 1, 0)"}
+    case["obstacle"] = [ball]
+    done = solve("ball_turns", case)
+    h = done.history
+    force, rim = ([h[f"{name}_{k}"][-1] for k in "xyz"] for name in ("ball", "rim"))
+    report.check(all(abs(f - r) < 2e-5 * abs(force[2]) for f, r in zip(force, rim)), f"the ball bears {np.round(force, 4)} N, the rim holds {np.round(rim, 4)} N")
+    pressed = np.argmax(h["load_factor"] >= 0.5)
+    report.check(abs(h["ball_y"][pressed]) < 0.02 * h["ball_z"][-1] and -h["ball_y"][-1] > 0.3 * h["ball_z"][-1], f"turned about x it is pulled back: {h['ball_y'][pressed]:.3g}, then {h['ball_y'][-1]:.3g} N")
+    solve("ball_turns_half", case | {"steps": {"final_load_factor": 0.5}})
+    again = solve("ball_turns_again", case, options=["--restart", str(OUT / "ball_turns_half" / "checkpoint.h5")])
+    same = done.results[-1].positions - again.results[-1].positions
+    report.check(np.all(same == 0), f"a restart at half of the way ends at the same places, to {abs(same).max():.1g} m")
+    for keys, why in (({"analysis": "drape"}, "moves only with"), ({"analysis": "static", "steps": {"control": "arc_length"}}, "load")):
+        refused = run(write_case(case | keys, OUT / "ball_refused.toml"), fresh("ball_refused"))
+        report.check(refused.code == 2 and why in refused.text, f"{keys}: code {refused.code}: {refused.text.strip().splitlines()[-1][:150]}")
