@@ -21,6 +21,7 @@
 #include "simulation/excitation.hpp"
 #include "simulation/restart.hpp"
 #include "simulation/sewing.hpp"
+#include "simulation/stage_check.hpp"
 #include "simulation/stages.hpp"
 #include "system/dynamics.hpp"
 #include "system/model.hpp"
@@ -105,6 +106,7 @@ void check(MPI_Comm comm, const input::Case& whole) {
   std::vector<std::string> free = setup::check_free_motions(c, model);
   for (std::string& text : setup::moving_rims(c, model)) free.push_back(std::move(text));
   simulation::require_excitation(c, model);
+  simulation::require_growth(c, model);
   setup::MeshQuality quality = setup::measure_quality(comm, mesh, c.element);
   quality.large_rotations = setup::is_nonlinear(whole);
   const std::string uncorrected = setup::uncorrected_text(model.potential().uncorrected_triangles());

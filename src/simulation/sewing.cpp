@@ -89,10 +89,14 @@ void warn_of_plane(const Stretch& s) {
   if (s.in_plane && s.largest >= tight) fmt::print(stderr, "voile: warning: {}\n", stretch_text(s));
 }
 
-/// The group of a support that holds a vertex; empty if none does.
+/// The group of a support or hard attachment that holds a vertex; empty if none does.
 std::string holder_of(const input::Case& c, const mesh::SurfaceMesh& mesh, Index vertex) {
+  const auto holds = [&](const std::string& group) { return contains(mesh.group(group).vertices, vertex); };
   for (const system::Support& s : c.supports)
-    if (contains(mesh.group(s.group).vertices, vertex)) return s.group;
+    if (holds(s.group)) return s.group;
+  for (const system::Attachment& s : c.attachments)
+    if (const auto at = std::find_if(s.groups.begin(), s.groups.end(), holds); s.hard && at != s.groups.end())
+      return *at;
   return "";
 }
 
@@ -120,7 +124,8 @@ std::string remedy(const input::Case& c, const mesh::SurfaceMesh& mesh, const me
   if (first.empty() || second.empty())
     return "give the stage more time, or the springs more force, or see what is in the way";
   return fmt::format(
-      "supports hold both of its sides there, by the group{} '{}'{}: let them hold from a later stage on",
+      "supports or hard attachments hold both of its sides there, by the group{} '{}'{}: let them hold from a later "
+      "stage on",
       first == second ? "" : "s", first, first == second ? "" : fmt::format(" and '{}'", second));
 }
 

@@ -4,6 +4,7 @@ import json
 import shutil
 
 import numpy as np
+from common import fresh
 from harness import OUT, solve, test
 from pattern_files import CLOTH, HEIGHT, RADIUS, box_file, frames_file, part, rectangle, svg, text_file, tube
 from results import Results
@@ -289,6 +290,10 @@ def garment_hostile(report):
     pinned = short | {"obstacle": [], "support": [{"group": g, "type": "hinged"} for g in ("tube/1", "tube/3")]}
     result = run(write_case(pinned, OUT / "garment_pinned.toml"), folder, 2)
     report.check(result.code == 3 and "hold both of its sides there, by the groups 'tube/1' and 'tube/3'" in result.text, f"both sides pinned apart: code {result.code}")
+    clasped = short | {"attachment": [{"groups": [g], "obstacle": "body", "hard": True} for g in ("tube/1", "tube/3")]}
+    result = run(write_case(clasped, OUT / "garment_clasped.toml"), fresh("garment_clasped"))
+    report.check(result.code == 3 and "hold both of its sides there, by the groups 'tube/1' and 'tube/3'" in result.text, f"both sides attached: code {result.code}: {result.text[-200:]}")
+    says("a spring from the start over a weld", 0, short | {"spring": [HELD]}, "stage 'rest' begins with welded seams", "[[spring]]")
 
 
 @test

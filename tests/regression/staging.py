@@ -316,6 +316,10 @@ def stages_mistakes(report):
             {"type": "clamped", "group": "tip", "stages": ["swing"]})),
         "make it the first stage": changed(lambda c: c["stage"][1].update(analysis="linear")),
         "give a later end": changed(lambda c: c["stage"].append(stage("again", "dynamic", time={"end": 0.1}))),
+        "stage 'more': [steps] control needs a load": changed(lambda c: c["stage"].append(stage("more", "static", steps={"control": "arc_length"}))),
+        "stage 'tremble': analysis = \"harmonic\" needs a load": changed(lambda c: c["stage"].append(stage("tremble", "harmonic", harmonic={"from": 1, "to": 2}))),
+        "stage 'folds': analysis = \"buckling\" needs a load": changed(lambda c: c.update(
+            hinge=[{"group": "tip", "stiffness": 1.0}], stage=[BEND, stage("folds", "buckling")])),
         "need the mass of every material": changed(lambda c: c["material"][0].pop("density")),
     }
     folder = OUT / "stages_mistakes"
