@@ -85,6 +85,18 @@ SquareToX square_to_x(const mesh::MeshData& mesh, const mesh::Group* group) {
   return of;
 }
 
+namespace {
+
+/// Of an isotropic material: those that its results are in.
+void add_axes(const Deck& deck, const Deck::Section& s, const Deck::Orientation& axes, DeckMaterial& made) {
+  made.text += fmt::format("direction = [{}, {}, {}]\n", axes.direction[0], axes.direction[1], axes.direction[2]);
+  if (axes.angle != 0.0)
+    made.left.push_back(fmt::format("{} of {}: its orientation is that of its axes without the angle of {:g} degrees",
+                                    deck.words.section, s.elements, axes.angle));
+}
+
+}  // namespace
+
 DeckMaterial deck_material(const Deck& deck, const Deck::Section& s, const SquareToX& place) {
   DeckMaterial made;
   const std::string name = name_of(deck, s, made.left);
@@ -130,6 +142,7 @@ DeckMaterial deck_material(const Deck& deck, const Deck::Section& s, const Squar
         axes.direction[1], axes.direction[2]);
   else
     made.text += fmt::format("type = \"isotropic\"\nyoung = {}\npoisson = {}\n", m.young, m.poisson);
+  if (!m.orthotropic && deck.orientations.contains(s.orientation)) add_axes(deck, s, axes, made);
   if (m.expansion[0] != 0.0 || m.expansion[1] != 0.0)
     made.text += m.orthotropic ? fmt::format("expansion_1 = {}\nexpansion_2 = {}\n", m.expansion[0], m.expansion[1])
                                : fmt::format("expansion = {}\n", m.expansion[0]);

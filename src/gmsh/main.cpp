@@ -36,6 +36,9 @@ namespace fs = std::filesystem;
 
 constexpr std::array<const char*, 3> dimension_names{"point", "curve", "surface"};
 
+/// Gmsh's number of an algorithm.
+constexpr double for_quadrangles = 8.0;
+
 void mesh_geo(const std::string& file, const Script& script, const MeshOptions& options) {
   script.open();
   if (options.size > 0.0) {
@@ -43,6 +46,10 @@ void mesh_geo(const std::string& file, const Script& script, const MeshOptions& 
     gmsh::option::setNumber("Mesh.MeshSizeFactor", 1.0);
   }
   if (options.algorithm > 0) gmsh::option::setNumber("Mesh.Algorithm", options.algorithm);
+  double algorithm = 0.0;
+  gmsh::option::getNumber("Mesh.Algorithm", algorithm);
+  if (algorithm == for_quadrangles)  // it needs a field of crosses, and ends the process without one
+    throw UserError(file + ": algorithm 8 of Gmsh is for quadrangles alone; choose another, as 5 or 6");
   gmsh::model::mesh::generate(2);
   check_log(file, "meshing");
 }

@@ -135,7 +135,10 @@ const std::vector<SectionInfo>& sections() {
       {"support", true, "Prescribed displacements and slopes."},
       {"rigid", true,
        "Groups that move as rigid bodies, held and loaded at a reference point (see [hold "
-       "rigidly](../howto/hold-rigidly.md)). Not with contact, panels, [air], `[remesh]` or `drape`."},
+       "rigidly](../howto/hold-rigidly.md)). Not with contact, panels, [air], `[remesh]`, `drape`, "
+       "`central_difference`, "
+       "a `spectral_radius` above 0.9, or springs to the ground on its vertices; slopes are not held beside joints or "
+       "unsymmetric laminates."},
       {"periodic", true,
        "Pairs of boundary curves along which the sheet repeats itself: see [one cell of a periodic "
        "sheet](../howto/repeat-a-cell.md). Not with contact, stages, panels, masses, hinges, rigid groups, "

@@ -229,5 +229,11 @@ def deck_orientations(report):
     # Axis 1 is y in both; the third is y x (-x) = z, along the normals, or -z.
     report.check(deck("orientation_along", alike, -1)[0] == "angles = [30, 120]", f"along the normals: {deck('orientation_along', alike, -1)[0]}")
     report.check(deck("orientation_against", alike, 1)[0] == "angles = [-30, 60]", f"against them: {deck('orientation_against', alike, 1)[0]}")
+    text = (OUT / "orientation_along.inp").read_text().replace("TYPE=LAMINA\n1e5, 1e4, 0.3, 4e3, 4e3, 4e3", "TYPE=ISOTROPIC\n1e5, 0.3")
+    file = OUT / "orientation_isotropic.inp"
+    file.write_text(text.replace("SECTION, COMPOSITE,", "SECTION,").replace("0.1, 3, M, 0.\n0.1, 3, M, 90.", "0.2").replace("ELSET=ALL, ORIENTATION", "ELSET=ALL, MATERIAL=M, ORIENTATION"))
+    code, said = invoke(["init", fresh("orientation_isotropic"), "--from", file])
+    made = (OUT / "orientation_isotropic" / "case.toml").read_text() if code == 0 else said
+    report.check('type = "isotropic"' in made and "direction = [0, 1, 0]" in made and "without the angle of 30 degrees" in said, f"of an isotropic section: {said[-200:]}")
     said = deck("orientation_mixed", opposite, -1)[1]
     report.check("against the normals of 2 of its 4 triangles" in said, f"normals that differ are said: {said[-300:]}")

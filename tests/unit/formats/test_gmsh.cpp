@@ -189,6 +189,8 @@ TEST_CASE("parameters, size, algorithm and scale") {
   const std::size_t fine = formats::read_gmsh(geo, {.parameters = {}, .size = 0.1}).triangles.size();
   CHECK(fine > 15 * coarse);
   CHECK(formats::read_gmsh(geo, {.parameters = {}, .size = 0.1, .algorithm = 5}).triangles.size() > 15 * coarse);
+  const std::string said = error_of([&] { (void)formats::read_gmsh(geo, {.parameters = {}, .algorithm = 8}); });
+  CHECK(has(said, "algorithm 8 of Gmsh is for quadrangles alone"));
   const std::string other = folder.write("other.geo",
                                          "Include \"plate.geo\";\nm = DefineNumber[1, Name \"Parameters/m\"];\n"
                                          "If (Exists(extra)) Transfinite Curve{6} = 1 + m * extra; EndIf\n");
