@@ -137,7 +137,8 @@ const std::vector<SectionInfo>& sections() {
        "Groups that move as rigid bodies, held and loaded at a reference point (see [hold "
        "rigidly](../howto/hold-rigidly.md)). Not with contact, panels, [air], `[remesh]`, `drape`, "
        "`central_difference`, "
-       "a `spectral_radius` above 0.9, or springs to the ground on its vertices; slopes are not held beside joints or "
+       "a `spectral_radius` above 0.9, or springs to the ground on its vertices; a restart needs checkpoint.h5; slopes "
+       "are not held beside joints or "
        "unsymmetric laminates."},
       {"periodic", true,
        "Pairs of boundary curves along which the sheet repeats itself: see [one cell of a periodic "

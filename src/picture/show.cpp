@@ -63,8 +63,8 @@ void Show::find_seams() {
   }
   if (!found)
     throw UserError(fmt::format(
-        "--seams: {} has no seams.csv, which a stage that sews writes at its end; show the run of a garment "
-        "that has been sewn",
+        "--seams: {} has no seams.csv, which a stage that sews writes at its end, among what is shown; show the "
+        "run of a garment that has been sewn, and with --stage that stage",
         recording_.folder().string()));
 }
 

@@ -79,7 +79,7 @@ std::string settle_weld(Epoch& epoch, const std::vector<std::string>& seams,
   }
   state.a.reset();
   state.balance = folded;
-  return fmt::format("t = {:.6g} s: welded seams unfold without motion: {:.3g} J stored before, {:.3g} J after",
+  return fmt::format("t = {:.6g} s: welded seams unfold without motion: {:.3g} J stored as welded, {:.3g} J after",
                      state.time, folded.stored, last);
 }
 
