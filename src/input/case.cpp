@@ -323,18 +323,19 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   return c;
 }
 
-/// Throws UserError for an obstacle with a motion in stages none of which moves obstacles.
+/// Throws UserError for an obstacle with a motion in stages none of which moves obstacles (simulation/stage_obstacles).
 void require_moving_stage(const std::vector<Case>& stages) {
   for (const Case& c : stages)
     for (std::size_t i = 0; i < c.obstacles.size(); ++i) {
       const std::size_t number = c.stage.obstacles[i];
       const auto moves_it = [&](const Case& other) {
-        return other.analysis == Analysis::dynamic && contains(other.stage.obstacles, number);
+        return (other.analysis == Analysis::dynamic || other.analysis == Analysis::statics) &&
+               contains(other.stage.obstacles, number);
       };
       if (c.obstacles[i].motion.any() && std::none_of(stages.begin(), stages.end(), moves_it))
         throw UserError(
-            fmt::format("{}: obstacle.motion: '{}' moves in a stage with analysis = \"dynamic\" only, and none of its "
-                        "stages is one; add one that brings it in place, or place it there",
+            fmt::format("{}: obstacle.motion: '{}' moves in stages with analysis = \"dynamic\" or \"static\" only, and "
+                        "none of its stages is one; add one that brings it in place, or place it there",
                         c.file.string(), c.obstacles[i].shape.name));
     }
 }

@@ -284,6 +284,7 @@ struct StageSection {
   std::vector<std::string> sew{};  ///< seams that it closes; "all": every one
   /// Whether its modes are for the shape of later stages; whether its shape has such modes; the first of those begins without stress.
   bool gives_modes = false, takes_modes = false, begins_anew = false;
+  bool moves_obstacles = false;  ///< by its load factor
   /// Whether it goes on from where the stage before has ended.
   [[nodiscard]] bool continues() const { return number > 0 && !begins_anew; }
 };
@@ -345,7 +346,9 @@ struct Case {
   /// Whether it is one of several stages: what moves in another one stands still in it.
   [[nodiscard]] bool is_staged() const { return !stage.name.empty(); }
   /// Whether the load factor moves obstacles, instead of the time.
-  [[nodiscard]] bool moves_obstacles_by_load() const { return analysis == Analysis::statics && !is_staged(); }
+  [[nodiscard]] bool moves_obstacles_by_load() const {
+    return analysis == Analysis::statics && (!is_staged() || stage.moves_obstacles);
+  }
   /// Whether it finds modes about an equilibrium instead of following a path; whether those are of vibration.
   /// Whether contact keeps the sheet from passing through itself, in some stage.
   [[nodiscard]] bool touches_itself() const {

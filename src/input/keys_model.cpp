@@ -130,10 +130,11 @@ std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& typ
   return {
       {.name = "motion",
        .slot = &m.translation,
-       .meaning = "Displacement along the global axes by three expressions of t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", "
-                  "\"table(t, 0, 0, 1, 0.05)\"]`; `table` interpolates between pairs of time and value. In "
-                  "`static` with `control = \"load\"` t is the load factor. Obstacles do not move in `drape`, nor in a "
-                  "`static` stage; for supports t is 1 in `drape`, or the run's.",
+       .meaning =
+           "Displacement along the global axes by three expressions of t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", "
+           "\"table(t, 0, 0, 1, 0.05)\"]`; `table` interpolates between pairs of time and value. In `static` with "
+           "`control = \"load\"` t is the load factor: of an obstacle in its first `static` stage, where none of its "
+           "stages is `dynamic`. In `drape` obstacles stand still; for supports t is 1, or the run's.",
        .unit = "m",
        .types = types,
        .absent = "none"},

@@ -13,6 +13,7 @@
 #include "setup/model_input.hpp"
 #include "solve/load_path.hpp"
 #include "stage_check.hpp"
+#include "stage_obstacles.hpp"
 #include "stage_options.hpp"
 #include "stage_rigid.hpp"
 #include "voile/errors.hpp"
@@ -297,6 +298,7 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
       if (!stages.empty()) stages.front().c.notes.push_back(text);
     }
     s.input = setup::model_input(options.comm, s.c, known);
+    if (one.is_staged()) lead_obstacles(c.stages, s);
     if (one.stage.continues()) {
       const Stage& before = stages.back();
       s.sewn_before = before.sewn_before;

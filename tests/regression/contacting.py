@@ -291,6 +291,14 @@ def ring_between_plates(report):
         for d, exact in wanted.items():
             at = np.argsort(np.abs(way - d))[:4]
             report.percent(np.polyval(np.polyfit(way[at] - d, force[at], 3), 0) / exact, 0.003, f"{ranks} rank(s), d = {d:g}: force of a plate")
+    staged = {key: value for key, value in case.items() if key not in ("analysis", "steps")}
+    staged["stage"] = [{"name": "wait", "analysis": "drape"}, {"name": "press", "analysis": "static", "steps": case["steps"]},
+                       {"name": "hold", "analysis": "static"}]
+    held = solve("ring_between_plates_staged", staged)
+    waits, pressed, holds = (held.stage(name).history["plate_z"] for name in ("wait", "press", "hold"))
+    last = result.history["plate_z"][-1]
+    report.check(abs(waits[-1]) < 1e-9 and abs(pressed[-1] / last - 1) < 1e-6 and np.all(abs(holds / last - 1) < 1e-6),
+                 f"in stages it stands still, moves, and stays: {waits[-1]:.3g}, {pressed[-1]:.6g}, {holds[-1]:.6g} N, at once {last:.6g} N")
     places = [step.obstacles[0, 2] for step in result.results]
     report.check(places[-1] < places[0] - 0.4, f"its place is recorded: {places[0]:.4g} to {places[-1]:.4g}")
 
