@@ -303,7 +303,7 @@ def stages_mistakes(report):
     mistakes = {
         "did you mean 'swing'": changed(lambda c: hold(c, ["swin"])),
         "a list of names of stages": changed(lambda c: hold(c, "swing")),
-        "obstacle.motion: 'ball' moves in a stage": changed(lambda c: c.update(contact={}, obstacle=[
+        "obstacle.motion: 'ball' moves in stages": changed(lambda c: c.update(contact={}, stage=[stage("bend", "drape"), SWING], obstacle=[
             {"name": "ball", "type": "sphere", "point": [5, 0.5, 1], "radius": 0.5, "motion": ["0", "0", "-t"], "stages": ["bend"]}])),
         "another stage has it": changed(lambda c: c["stage"].append(BEND)),
         "name of a folder": changed(lambda c: c["stage"][1].update(name="../swing")),
