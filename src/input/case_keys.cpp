@@ -137,7 +137,7 @@ const std::vector<SectionInfo>& sections() {
        "Groups that move as rigid bodies, held and loaded at a reference point (see [hold "
        "rigidly](../howto/hold-rigidly.md)). Not with contact, panels, [air], `[remesh]`, `drape`, "
        "`central_difference`, "
-       "a `spectral_radius` above 0.9, or springs to the ground on its vertices; a restart needs checkpoint.h5; slopes "
+       "a `spectral_radius` above 0.9, or springs to the ground on its vertices; slopes "
        "are not held beside joints or "
        "unsymmetric laminates."},
       {"periodic", true,

@@ -16,6 +16,7 @@
 #include "system/ease.hpp"
 #include "system/gas.hpp"
 #include "system/rigid_loads.hpp"
+#include "system/rigid_places.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::record {
@@ -226,6 +227,7 @@ void Recorder::write_step(const system::State& state, const solve::StepResult& r
   step.time = dynamics_ ? state.time : case_.steps.control == Control::load ? state.load_factor : state.step;
   step.load_factor = state.load_factor;
   if (case_.analysis == input::Analysis::statics) step.path = system::path_record(state.next_step, state.path);
+  step.bodies = system::rigid_record(model_->discretisation(), state);
   if (r.mode)
     step.fields.push_back({"critical_mode", "1", results::Centre::vertex, 3, model_->dofs().gather_change(r.mode)});
   const std::vector<double>& stops = case_.steps.stops;

@@ -11,20 +11,6 @@ namespace voile::remesh {
 
 namespace {
 
-/// The vectors of a state whose unknowns of rigid bodies are kept, in this order; each may be null.
-std::array<Vec, 5> vectors_of(const system::State& s) {
-  return {s.u, s.v, s.a, s.last.u ? s.last.u : s.previous, s.last.v};
-}
-
-std::vector<double> bodies_of(const system::State& s, const system::Dofs& dofs) {
-  std::vector<double> all;
-  for (Vec v : vectors_of(s)) {
-    const std::vector<double> own = v ? dofs.gather_bodies(v) : std::vector<double>(dofs.body_unknowns(), 0.0);
-    all.insert(all.end(), own.begin(), own.end());
-  }
-  return mpi::rank(dofs.comm()) == 0 ? all : std::vector<double>{};
-}
-
 void take_bodies(const results::Checkpoint& c, const system::Dofs& dofs, const system::State& s) {
   const std::size_t each = dofs.body_unknowns();
   if (each == 0) return;
@@ -38,16 +24,14 @@ void take_bodies(const results::Checkpoint& c, const system::Dofs& dofs, const s
   }
   // Older files have no velocities one step before.
   if (!begins && found != static_cast<double>(4 * each) && found != static_cast<double>(5 * each))
-    throw UserError(
-        "the state to continue from has other [[rigid]] groups than the case, or none, as results.vtkhdf; give the "
-        "same ones, and a checkpoint.h5");
+    throw UserError("the state to continue from has other [[rigid]] groups than the case, or none; give the same ones");
   if (begins) {  // with the velocities that the case gives
     std::vector<double> rates;
     if (!c.velocity.empty()) rates = dofs.body_rates(c.velocity);
     if (s.v) dofs.scatter_bodies(rates, s.v);
     return;
   }
-  const std::array<Vec, 5> vectors = vectors_of(s);
+  const std::array<Vec, 5> vectors = system::rigid_vectors(s);
   for (std::size_t k = 0; static_cast<double>((k + 1) * each) <= found; ++k) {
     std::vector<double> own;
     if (!c.bodies.empty()) own.assign(&c.bodies[k * each], &c.bodies[k * each] + each);
@@ -73,7 +57,7 @@ results::Checkpoint gather(const system::State& s, const system::Model& model) {
   c.stiffest = changes(s.stiffest);
   c.stability = system::numbers_of(s.stability);
   if (!model.dofs().motions().empty()) {
-    c.bodies = bodies_of(s, model.dofs());
+    c.bodies = system::rigid_unknowns(model.dofs(), s);
     c.places = system::rigid_places(model.discretisation(), s.u, s.v);
   }
   c.contact_gaps = s.contact.gaps;

@@ -233,7 +233,8 @@ void ResultsWriter::write(const StepFields& step) {
   file.number("/", "step", step.step);
   file.number("/", "time", step.time);
   file.number("/", "load_factor", step.load_factor);
-  if (!step.path.empty()) file.dataset("path", H5T_NATIVE_DOUBLE, step.path.size(), 1, step.path.data());
+  for (const auto& [name, values] : {std::pair{"path", &step.path}, std::pair{"bodies", &step.bodies}})
+    if (!values->empty()) file.dataset(name, H5T_NATIVE_DOUBLE, values->size(), 1, values->data());
   file.number("/", "epoch", static_cast<int>(impl_->catalogue.epochs().size()) - 1);
   file.group("fields");
   for (const Field& field : step.fields) impl_->write_field(file, field);

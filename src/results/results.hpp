@@ -32,6 +32,7 @@ struct StepFields {
   std::vector<Field> fields;
   std::vector<Vec3> obstacles{};  ///< where the vertices of obstacles are [m]; only if they move
   std::vector<double> path{};     ///< of a path: what its next step needs (system::path_record)
+  std::vector<double> bodies{};   ///< of rigid groups: what a restart needs (system::rigid_record)
 };
 
 /// What the sheet can touch, as triangles to look at.

@@ -146,7 +146,7 @@ void Catalogue::add_step(const StepFields& step, bool moved) {
   if (obstacle_vertices_ > 0) tables_[obstacles].add(file, "obstacles", obstacle_vertices_);
   steps_.push_back({step.step, step.time, step.load_factor, epoch,
                     moved ? tables_[points].add(file, "points", epochs_[epoch].vertices) : epochs_[epoch].point,
-                    step.path});
+                    step.path, step.bodies});
   for (Array& a : arrays_) {
     if (a.begin.size() == steps_.size()) continue;
     a.begin.push_back(static_cast<std::int64_t>(no_values(a, epoch)));

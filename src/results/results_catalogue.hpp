@@ -80,8 +80,8 @@ struct EpochPlace {
 struct StepPlace {
   int number = 0;
   double time = 0.0, load_factor = 0.0;
-  std::size_t epoch = 0, point = 0;  ///< `point`: first row of Points
-  std::vector<double> path{};        ///< StepFields::path
+  std::size_t epoch = 0, point = 0;      ///< `point`: first row of Points
+  std::vector<double> path{}, bodies{};  ///< as StepFields
 };
 
 class Catalogue {

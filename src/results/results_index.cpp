@@ -72,13 +72,14 @@ void write_vtk_steps(FileContent& file, const Catalogue& c) {
 
 void write_own_steps(FileContent& file, const Catalogue& c) {
   std::vector<int> number, epoch;
-  std::vector<double> time, load_factor, path;
+  std::vector<double> time, load_factor, path, bodies;
   for (const StepPlace& step : c.steps()) {
     number.push_back(step.number);
     epoch.push_back(static_cast<int>(step.epoch));
     time.push_back(step.time);
     load_factor.push_back(step.load_factor);
     path.insert(path.end(), step.path.begin(), step.path.end());
+    bodies.insert(bodies.end(), step.bodies.begin(), step.bodies.end());
   }
   const std::string steps = "voile/steps/";
   file.dataset(steps + "number", H5T_NATIVE_INT, number.size(), 1, number.data());
@@ -86,6 +87,7 @@ void write_own_steps(FileContent& file, const Catalogue& c) {
   file.dataset(steps + "time", H5T_NATIVE_DOUBLE, time.size(), 1, time.data());
   file.dataset(steps + "load_factor", H5T_NATIVE_DOUBLE, load_factor.size(), 1, load_factor.data());
   if (!path.empty()) file.dataset(steps + "path", H5T_NATIVE_DOUBLE, path.size(), 1, path.data());
+  if (!bodies.empty()) file.dataset(steps + "bodies", H5T_NATIVE_DOUBLE, bodies.size(), 1, bodies.data());
   for (const Array& a : c.arrays())
     if (a.is_field) file.dataset(steps + "has/" + a.name, H5T_NATIVE_UINT8, a.present.size(), 1, a.present.data());
 }

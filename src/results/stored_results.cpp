@@ -103,34 +103,39 @@ void StoredResults::read_named() {
                             load_factor = read_all(file_, "voile/steps/load_factor", path_);
   if (epoch.size() != number.size() || time.size() != number.size() || load_factor.size() != number.size())
     fail_reading(path_, "its lists of steps differ in length: the file is damaged");
-  std::vector<double> path;
-  if (H5Lexists(file_, "voile/steps/path", H5P_DEFAULT) > 0) path = read_all(file_, "voile/steps/path", path_);
-  const bool whole = !number.empty() && path.size() % number.size() == 0;
-  const std::size_t each = whole ? path.size() / number.size() : 0;
+  // What every step has as many numbers of, if any.
+  const auto per_step = [&](const char* name) {
+    std::vector<std::vector<double>> all(number.size());
+    if (number.empty() || H5Lexists(file_, name, H5P_DEFAULT) <= 0) return all;
+    const std::vector<double> values = read_all(file_, name, path_);
+    const std::size_t each = values.size() % number.size() == 0 ? values.size() / number.size() : 0;
+    for (std::size_t i = 0; i < number.size() && each > 0; ++i)
+      all[i].assign(&values[i * each], &values[i * each] + each);
+    return all;
+  };
+  std::vector<std::vector<double>> path = per_step("voile/steps/path"), bodies = per_step("voile/steps/bodies");
   for (std::size_t i = 0; i < number.size(); ++i) {
     if (epoch[i] < 0 || !std::isfinite(time[i]) || !std::isfinite(load_factor[i]))
       fail_reading(path_, fmt::format("its record of step {} makes no sense: the file is damaged", number[i]));
-    steps_.push_back({static_cast<int>(number[i]),
-                      time[i],
-                      load_factor[i],
-                      static_cast<std::size_t>(epoch[i]),
-                      {path.begin() + static_cast<std::ptrdiff_t>(i * each),
-                       path.begin() + static_cast<std::ptrdiff_t>((i + 1) * each)}});
+    steps_.push_back({static_cast<int>(number[i]), time[i], load_factor[i], static_cast<std::size_t>(epoch[i]),
+                      std::move(path[i]), std::move(bodies[i])});
   }
 }
 
 /// Steps that were written after the last renewal of the index.
 void StoredResults::find_unnamed() {
+  const auto all_of = [](const Hdf5Handle& file, const char* name, const fs::path& place) {
+    return H5Lexists(file, name, H5P_DEFAULT) > 0 ? read_all(file, name, place) : std::vector<double>();
+  };
   for (;;) {
     const fs::path place = path_.parent_path() / step_file(steps_.size());
     if (!fs::exists(place)) return;
     const Hdf5Handle file = open_to_read(place);
     if (!file.valid()) fail_missing(step_file(steps_.size()));
-    steps_.push_back(
-        {static_cast<int>(read_number(file, "/", "step", place)), read_number(file, "/", "time", place),
-         read_number(file, "/", "load_factor", place),
-         static_cast<std::size_t>(std::max(0.0, read_number(file, "/", "epoch", place))),
-         H5Lexists(file, "path", H5P_DEFAULT) > 0 ? read_all(file, "path", place) : std::vector<double>()});
+    steps_.push_back({static_cast<int>(read_number(file, "/", "step", place)), read_number(file, "/", "time", place),
+                      read_number(file, "/", "load_factor", place),
+                      static_cast<std::size_t>(std::max(0.0, read_number(file, "/", "epoch", place))),
+                      all_of(file, "path", place), all_of(file, "bodies", place)});
   }
 }
 

@@ -20,8 +20,8 @@ struct StoredStepInfo {
   int number = 0;     ///< as the run printed it
   double time = 0.0;  ///< [s]; of a load path its load factor
   double load_factor = 0.0;
-  std::size_t epoch = 0;       ///< number of the mesh
-  std::vector<double> path{};  ///< StepFields::path; empty: none
+  std::size_t epoch = 0;                 ///< number of the mesh
+  std::vector<double> path{}, bodies{};  ///< as StepFields; empty: none
 };
 
 struct FieldInfo {

@@ -32,6 +32,7 @@ StoredStep step_of(const StoredResults& results, const fs::path& path, int numbe
   stored.step = record.number;
   stored.load_factor = record.load_factor;
   stored.path = record.path;
+  stored.bodies = record.bodies;
   stored.displacement = std::move(*u);
   stored.velocity = results.vectors(at, "velocity", vertices).value_or(std::vector<double>());
   if (!stored.velocity.empty()) stored.time = record.time;

@@ -15,6 +15,7 @@ struct StoredStep {
   std::vector<double> displacement;  ///< vertices x 3, global axes, mesh order [m]
   std::vector<double> velocity;      ///< of a motion, else empty [m/s]
   std::vector<double> path;          ///< of a path: what its next step needs (system::path_record); else empty
+  std::vector<double> bodies;        ///< of rigid groups: system::rigid_record; else empty
   std::vector<double> previous;      ///< of the step stored before on the same mesh, empty if there is none [m]
 };
 

@@ -63,6 +63,7 @@ results::Checkpoint read_any(const input::Case& wanted, const record::RunOptions
   c.step = shape_only ? 0 : stored.step;
   c.load_factor = stored.load_factor;
   take_path(stored.path, c);
+  system::take_rigid_record(stored.bodies, c.bodies, c.places);
   c.displacement = std::move(stored.displacement);
   if (!shape_only) c.previous = std::move(stored.previous);
   c.in_equilibrium = !stored.in_motion;

@@ -1,7 +1,10 @@
 #include "rigid_places.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
+
+#include "base/mpi.hpp"
 
 namespace voile::system {
 
@@ -10,6 +13,9 @@ namespace {
 /// Places of the parts among the numbers of a body.
 constexpr std::size_t first_displacement = 0, first_turn = 3, first_time = 7, has_time = 8, displacement = 9,
                       velocity = 16, spin = 19;
+
+/// Of three points that carry a body.
+constexpr std::size_t unknowns_of_body = 9;
 
 template <class Vector>
 Vector part(const std::vector<double>& places, std::size_t body, std::size_t at) {
@@ -22,11 +28,42 @@ std::size_t count(const std::vector<double>& places) {
 
 }  // namespace
 
+std::array<Vec, 5> rigid_vectors(const State& s) {
+  return {s.u, s.v, s.a, s.last.u ? s.last.u : s.previous, s.last.v};
+}
+
+std::vector<double> rigid_unknowns(const Dofs& dofs, const State& s) {
+  std::vector<double> all;
+  for (Vec v : rigid_vectors(s)) {
+    const std::vector<double> own = v ? dofs.gather_bodies(v) : std::vector<double>(dofs.body_unknowns(), 0.0);
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return mpi::rank(dofs.comm()) == 0 ? all : std::vector<double>{};
+}
+
+std::vector<double> rigid_record(const Discretisation& on, const State& s) {
+  if (on.dofs().motions().empty()) return {};
+  std::vector<double> record = rigid_unknowns(on.dofs(), s);
+  const std::vector<double> places = rigid_places(on, s.u, s.v);
+  record.insert(record.end(), places.begin(), places.end());
+  return record;
+}
+
+void take_rigid_record(const std::vector<double>& record, std::vector<double>& unknowns, std::vector<double>& places) {
+  constexpr std::size_t of_body = 5 * unknowns_of_body;
+  const std::size_t count = record.size() / (of_body + rigid_place_numbers);
+  const bool good = std::all_of(record.begin(), record.end(), [](double x) { return std::abs(x) < 1e12; });
+  if (!good || record.size() != count * (of_body + rigid_place_numbers)) return;
+  const auto cut = record.begin() + static_cast<std::ptrdiff_t>(count * of_body);
+  unknowns.assign(record.begin(), cut);
+  places.assign(cut, record.end());
+}
+
 std::vector<double> rigid_places(const Discretisation& on, Vec u, Vec v) {
   const std::vector<double> unknowns = on.dofs().gather_bodies(u);
   const std::vector<double> rates = v ? on.dofs().gather_bodies(v) : std::vector<double>(unknowns.size(), 0.0);
   const std::vector<RigidBody>& bodies = on.constraints().bodies;
-  constexpr std::size_t each = 9;
+  constexpr std::size_t each = unknowns_of_body;
   std::vector<double> all;
   const auto add = [&](const auto& part) { all.insert(all.end(), part.data(), part.data() + part.size()); };
   for (std::size_t b = 0; each * b < unknowns.size(); ++b) {

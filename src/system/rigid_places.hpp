@@ -5,14 +5,26 @@
 // stage has), where the body is (c, quaternion of R), and its velocity and spin [m/s], [rad/s].
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
 #include "discretisation.hpp"
+#include "state.hpp"
 
 namespace voile::system {
 
 inline constexpr std::size_t rigid_place_numbers = 22;
+
+/// The vectors of a state whose unknowns of bodies are kept, in this order; each may be null.
+[[nodiscard]] std::array<Vec, 5> rigid_vectors(const State& s);
+/// These unknowns, of all bodies in one vector after the other, on rank 0, none on others. Collective.
+[[nodiscard]] std::vector<double> rigid_unknowns(const Dofs& dofs, const State& s);
+
+/// What a step of results keeps of bodies: their unknowns, and their places. On rank 0; empty without bodies. Collective.
+[[nodiscard]] std::vector<double> rigid_record(const Discretisation& on, const State& s);
+/// Takes it apart; nothing of one that makes no sense. Not collective.
+void take_rigid_record(const std::vector<double>& record, std::vector<double>& unknowns, std::vector<double>& places);
 
 /// The numbers of all bodies on rank 0, none on others; v: velocities of the unknowns, may be null. Collective.
 [[nodiscard]] std::vector<double> rigid_places(const Discretisation& on, Vec u, Vec v);

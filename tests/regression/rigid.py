@@ -209,6 +209,8 @@ def rigid_motion(report):
     first = solve("rigid_swing_half", case(32 / 128))
     again = solve("rigid_swing_again", case(64 / 128), options=["--restart", str(first.folder / "checkpoint.h5")])
     report.check(np.array_equal(again.displacement(), whole.displacement()), "a restart ends at the same bits")
+    again = solve("rigid_swing_again", case(64 / 128), options=["--restart", str(whole.results.file), "--restart-step", "32"])
+    report.below(np.abs(again.displacement() - whole.displacement()).max(), 3e-4, "one from results, without accelerations [m]")
 
 
 def end_of(result, name):
@@ -328,6 +330,12 @@ def rigid_mistakes(report):
     again = solve("rigid_again", whole, options=["--restart", str(first.folder / "checkpoint.h5")])
     at_once = solve("rigid_whole", whole)
     report.check(np.array_equal(again.displacement(), at_once.displacement()), "a restart ends at the same bits")
+    for control in ("load", "arc_length"):
+        path = whole | {"steps": whole["steps"] | {"control": control}}
+        done = solve("rigid_path", path)
+        again = solve("rigid_path_again", path, options=["--restart", str(done.results.file), "--restart-step", "2"])
+        report.check(np.array_equal(again.displacement(), done.displacement()) and again.history["tip_z"][-1] == done.history["tip_z"][-1],
+                     f"control = {control}: from step 2 of the results it ends at the same bits")
     ranks = solve("rigid_again", whole, 3, options=["--restart", str(first.folder / "checkpoint.h5")])
     report.below(np.abs(ranks.displacement() - at_once.displacement()).max(), 1e-7, "and on three ranks at the same place")
 
