@@ -150,22 +150,27 @@ void ContactSet::pair_hessian(const Pair& pair, const Near& n, bool positive, Ma
   if (positive) h = positive_part(h);
 }
 
-void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part) const {
+double ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part) const {
   Near n;
   Vec12 g;
+  double squares = 0.0;
+  const auto add = [&](Index p, const Vec3& force) {
+    if (p == no_index || !surface_->is_sheet(p)) return;
+    f[p] += force;
+    if (candidates_.owned()[p]) squares += force.squaredNorm();
+  };
   if (part & normal) {
     candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
       const double d = reach(pair);
       if (!near(pair, x, d, n)) return;
       pair_gradient(pair, n, d, g);
-      for (int i = 0; i < 4; ++i)
-        if (pair.points[i] != no_index && surface_->is_sheet(pair.points[i])) f[pair.points[i]] += g.segment<3>(3 * i);
+      for (int i = 0; i < 4; ++i) add(pair.points[i], g.segment<3>(3 * i));
     });
     for (const Plane& p : planes_)
       for (Index i : candidates_.own_points()) {
         if (!plane_acts(p, i)) continue;
         const double gap = plane_gap(p, i, x), d = reach(i);
-        if (gap < d) f[i] += options_.stiffness * surface_->area[i] * barrier(gap, d).first * p.normal;
+        if (gap < d) add(i, options_.stiffness * surface_->area[i] * barrier(gap, d).first * p.normal);
       }
   }
   if (part & friction)
@@ -173,9 +178,9 @@ void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, 
       const Vec2 r = s.tangents.transpose() * slip_of(s, x);
       const double y = r.norm(), rate = friction_rate(y);
       const Vec3 force = s.force * rate * (s.tangents * r);
-      for (int i = 0; i < 4; ++i)
-        if (s.points[i] != no_index && surface_->is_sheet(s.points[i])) f[s.points[i]] += s.c[i] * force;
+      for (int i = 0; i < 4; ++i) add(s.points[i], s.c[i] * force);
     }
+  return squares;
 }
 
 void ContactSet::add_force_on_bodies(const std::vector<Vec3>& x, std::vector<Vec3>& on) const {
@@ -246,6 +251,7 @@ void ContactSet::lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3
   sliding_.clear();
   slips_known_ = false;
   slip_ = slip;
+  lagged_ = true;
   if (!has_friction()) return;
   Near n;
   candidates_.for_close(x, options_.distance, [&](const Pair& pair) {

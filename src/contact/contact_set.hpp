@@ -102,10 +102,13 @@ class ContactSet {
   /// mean of the normal forces at `start` and x, or those at x of what was not in contact before: what is hit takes the speed of
   /// the obstacle at once. [J]
   [[nodiscard]] double obstacle_work(const std::vector<Vec3>& x, const Then& start) const;
-  /// Adds the derivative of the energy to f, per sheet point; right for own points only. [N]
-  void add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part = both) const;
+  /// Adds the derivative of the energy to f, per sheet point; right for own points only. [N] Returns the sum of the squares of
+  /// all forces on own points, which do not cancel there. [N^2]
+  double add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part = both) const;
   /// Adds the force that the sheet exerts on each body, friction included, to `on`; of this rank's share. [N]
   void add_force_on_bodies(const std::vector<Vec3>& x, std::vector<Vec3>& on) const;
+  /// Whether the friction of the present is known: it has been looked at, or there is none.
+  [[nodiscard]] bool knows_friction() const { return lagged_ || !has_friction(); }
   /// Takes over how much each slip has changed since the last call with other positions; before hessian(x, true, ...).
   void follow_slips(const std::vector<Vec3>& x);
   /// Calls emit(point, point, block) for sheet points; `positive` drops negative eigenvalues pair by pair and takes
@@ -222,7 +225,7 @@ class ContactSet {
   std::vector<std::uint64_t> passing_, passing_bits_;
   std::vector<Index> face_of_point_;  ///< filled when first asked for
   double slip_ = 1.0;
-  bool slips_known_ = false;
+  bool slips_known_ = false, lagged_ = false;
 };
 
 template <class F>

@@ -104,6 +104,8 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
   constexpr std::array shapes{Shape::mesh, Shape::plane, Shape::sphere, Shape::capsule, Shape::mesh};
   o.shape = shapes[static_cast<std::size_t>(s.type)];
   o.passable = s.on_pinch == ObstacleSection::OnPinch::pass;
+  if (o.passable && c.analysis != Analysis::dynamic && !c.is_staged())
+    place.fail("on_pinch", "vertices pass through an obstacle with analysis = \"dynamic\" only; remove the key");
   for (const ObstacleSection& other : c.obstacles)
     if (other.shape.name == o.name) place.fail("name", fmt::format("'{}': another obstacle has this name", o.name));
   if (o.shape == Shape::plane && o.normal.norm() == 0.0) place.fail("normal", "the vector is zero");
@@ -128,7 +130,7 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
   s.frames = beside(c.file, s.frames);
   if (o.motion) place.fail("frames", "a mesh moves by frames or by motion, not by both");
   if (c.analysis != Analysis::dynamic && !c.is_staged())
-    place.fail("frames", "something moves only with analysis = \"dynamic\"");
+    place.fail("frames", "key frames move a body with analysis = \"dynamic\" only");
 }
 
 void read_remesh(const CaseReader& reader, Case& c) {

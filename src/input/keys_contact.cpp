@@ -94,8 +94,9 @@ std::vector<Key> mesh_keys(ObstacleSection& s) {
        .absent = "none"},
       {.name = "frames",
        .slot = &s.frames,
-       .meaning = "Positions of the vertices in time, linear between key frames: PC2, MDD, or OBJ files as "
-                  "`walk_%04d.obj`. They are scaled and put in place as the mesh is.",
+       .meaning =
+           "Positions of the vertices in time, for `dynamic`, linear between key frames: PC2, MDD, or OBJ files as "
+           "`walk_%04d.obj`. They are scaled and put in place as the mesh is.",
        .types = of_mesh,
        .absent = "none"},
       {.name = "frames_per_second",

@@ -250,58 +250,60 @@ std::vector<Key> keys_of(solve::DrapeOptions& s) {
 }
 
 std::vector<Key> keys_of(Probe& s) {
-  return {{.name = "name", .slot = &s.name, .meaning = "Column of `history.csv`; unique.", .required = true},
-          {.name = "type",
-           .slot = choice(s.kind, {{"displacement", Probe::Kind::displacement},
-                                   {"reaction", Probe::Kind::reaction},
-                                   {"energy", Probe::Kind::energy},
-                                   {"height", Probe::Kind::height},
-                                   {"ease", Probe::Kind::ease},
-                                   {"stress", Probe::Kind::stress},
-                                   {"contact", Probe::Kind::contact}}),
-           .meaning =
-               "`displacement`: mean over the length or area of a group, or of the vertex nearest to a point. "
-               "`reaction`: total over a "
-               "group. `energy`: of the shell. `height`: least, mean over the length or area, and largest of a group, "
-               "columns `NAME_min`, `_mean`, `_max`. `ease`: least distance to the bodies and its mean over the "
-               "area, `NAME_min`, `_mean`. `stress`: of a triangle in material axes, `NAME_11`, `_22`, `_12`, "
-               "`_von_mises`. `contact`: total force that the sheet exerts on an obstacle, friction included.",
-           .unit = "m, N, J, Pa",
-           .required = true},
-          {.name = "group",
-           .slot = GroupList{&s.group},
-           .meaning = "Physical group to observe; a displacement needs this or `point`; an ease without it is that of "
-                      "the whole surface.",
-           .types = {"displacement", "reaction", "height", "ease"},
-           .required_types = {"reaction", "height"},
-           .absent = "none"},
-          {.name = "point",
-           .slot = &s.point,
-           .meaning = "Rest position near the vertex to observe; of a stress, of the triangle.",
-           .unit = "m",
-           .types = {"displacement", "stress"},
-           .required_types = {"stress"},
-           .absent = "none"},
-          {.name = "obstacle",
-           .slot = &s.obstacle,
-           .meaning = "Name of the obstacle whose force is observed.",
-           .types = {"contact"},
-           .required = true,
-           .absent = "none"},
-          {.name = "components",
-           .slot = &s.components,
-           .meaning = "Which of `\"x\"`, `\"y\"`, `\"z\"` to record; of a height the one that points up.",
-           .types = {"displacement", "reaction", "height", "contact"},
-           .absent = "all three; height: `\"z\"`"},
-          {.name = "ground",
-           .slot = &s.ground,
-           .meaning = "Where heights count from, on the axis that points up.",
-           .unit = "m",
-           .types = {"height"}},
-          {.name = "face",
-           .slot = choice(s.face, {{"top", Probe::Face::top}, {"bottom", Probe::Face::bottom}}),
-           .meaning = "Of the sheet: `top` is where the normal points to.",
-           .types = {"stress"}}};
+  return {
+      {.name = "name", .slot = &s.name, .meaning = "Column of `history.csv`; unique.", .required = true},
+      {.name = "type",
+       .slot = choice(s.kind, {{"displacement", Probe::Kind::displacement},
+                               {"reaction", Probe::Kind::reaction},
+                               {"energy", Probe::Kind::energy},
+                               {"height", Probe::Kind::height},
+                               {"ease", Probe::Kind::ease},
+                               {"stress", Probe::Kind::stress},
+                               {"contact", Probe::Kind::contact}}),
+       .meaning =
+           "`displacement`: mean over the length or area of a group, or of the vertex nearest to a point. "
+           "`reaction`: total over a "
+           "group. `energy`: of the shell. `height`: least, mean over the length or area, and largest of a group, "
+           "columns `NAME_min`, `_mean`, `_max`. `ease`: least distance to the bodies and its mean over the "
+           "area, `NAME_min`, `_mean`. `stress`: of a triangle in material axes, `NAME_11`, `_22`, `_12`, "
+           "`_von_mises`. `contact`: total force by which the sheet presses and rubs on an obstacle; not that of an "
+           "`[[attachment]]`, and none at the start of a restarted path with friction.",
+       .unit = "m, N, J, Pa",
+       .required = true},
+      {.name = "group",
+       .slot = GroupList{&s.group},
+       .meaning = "Physical group to observe; a displacement needs this or `point`; an ease without it is that of "
+                  "the whole surface.",
+       .types = {"displacement", "reaction", "height", "ease"},
+       .required_types = {"reaction", "height"},
+       .absent = "none"},
+      {.name = "point",
+       .slot = &s.point,
+       .meaning = "Rest position near the vertex to observe; of a stress, of the triangle.",
+       .unit = "m",
+       .types = {"displacement", "stress"},
+       .required_types = {"stress"},
+       .absent = "none"},
+      {.name = "obstacle",
+       .slot = &s.obstacle,
+       .meaning = "Name of the obstacle whose force is observed.",
+       .types = {"contact"},
+       .required = true,
+       .absent = "none"},
+      {.name = "components",
+       .slot = &s.components,
+       .meaning = "Which of `\"x\"`, `\"y\"`, `\"z\"` to record; of a height the one that points up.",
+       .types = {"displacement", "reaction", "height", "contact"},
+       .absent = "all three; height: `\"z\"`"},
+      {.name = "ground",
+       .slot = &s.ground,
+       .meaning = "Where heights count from, on the axis that points up.",
+       .unit = "m",
+       .types = {"height"}},
+      {.name = "face",
+       .slot = choice(s.face, {{"top", Probe::Face::top}, {"bottom", Probe::Face::bottom}}),
+       .meaning = "Of the sheet: `top` is where the normal points to.",
+       .types = {"stress"}}};
 }
 
 std::vector<Key> keys_of(OutputSection& s) {

@@ -11,9 +11,10 @@ namespace voile::record {
 namespace {
 
 /// Force on each vertex of the sheet. Collective. [N]
-std::vector<double> forces(system::Model& model, Vec a, contact::ContactSet::Part part) {
+std::vector<double> forces(system::Model& model, Vec a, contact::ContactSet::Part part, double* size = nullptr) {
   petsc::VecHandle f = model.dofs().create_vector();
-  model.contact()->add_gradient(a, f, part);
+  const double norm = model.contact()->add_gradient(a, f, part);
+  if (size) *size = norm;
   VOILE_PETSC(VecScale(f, -1.0));
   return model.dofs().gather(f);
 }
@@ -25,7 +26,8 @@ std::vector<results::Field> contact_fields(system::Model& model, Vec a,
   std::vector<results::Field> fields;
   const system::Contact* contact = model.contact();
   if (!contact) return fields;
-  std::vector<double> normal = forces(model, a, contact::ContactSet::normal), pressure(normal.size() / 3);
+  double pressed = 0.0;
+  std::vector<double> normal = forces(model, a, contact::ContactSet::normal, &pressed), pressure(normal.size() / 3);
   for (std::size_t v = 0; v < pressure.size(); ++v)
     pressure[v] =
         std::hypot(normal[3 * v], normal[3 * v + 1], normal[3 * v + 2]) / contact->scene().set().surface().area[v];
@@ -37,7 +39,8 @@ std::vector<results::Field> contact_fields(system::Model& model, Vec a,
     fields.push_back({"passing", "1", results::Centre::vertex, 1, std::move(given)});
   }
   if (wants("contact_force")) fields.push_back({"contact_force", "N", results::Centre::vertex, 3, std::move(normal)});
-  if (wants("friction_force"))
+  const bool known = contact->scene().set().knows_friction() || pressed == 0.0;  // not of a state from elsewhere
+  if (wants("friction_force") && known)
     fields.push_back(
         {"friction_force", "N", results::Centre::vertex, 3, forces(model, a, contact::ContactSet::friction)});
   if (system::has_bodies(contact->scene().input()) && wants("ease"))

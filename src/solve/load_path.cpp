@@ -210,7 +210,10 @@ double LoadPath::next_target(double from, double step) const {
   for (const double stop : options_.stops) limit(stop, slack);
   double fraction = fraction_by_turn(model_, from, target, true);
   if (obstacles_move_) fraction = std::min(fraction, fraction_by_obstacles(model_, from, target));
-  return fraction < 1.0 ? from + fraction * (target - from) : target;
+  if (fraction == 1.0) return target;
+  // What jumps is tried as a jump: no smaller step would see less of it.
+  const double whole = std::abs(target - from);
+  return from + direction * std::max(fraction * whole, std::min(whole, options_.min_step));
 }
 
 bool at_load_factor(double wanted, double factor) {

@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "base/mpi.hpp"
 #include "contact_parts.hpp"
@@ -60,6 +62,7 @@ std::vector<Vec3> Contact::forces_on_obstacles(Vec a) {
     const Vec3& own = on_bodies[static_cast<std::size_t>(scene_.obstacles().body(k))];
     Vec3 sum;
     for (int i = 0; i < 3; ++i) sum[i] = mpi::sum(scene_.dofs().comm(), own[i]);
+    if (!scene_.set().knows_friction() && !sum.isZero(0.0)) sum.setConstant(std::numeric_limits<double>::quiet_NaN());
     all.push_back(sum);
   }
   return all;
@@ -73,7 +76,7 @@ double Contact::obstacle_work(Vec a) {
   return mpi::sum(scene_.dofs().comm(), scene_.set().obstacle_work(points.now, start));
 }
 
-void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
+double Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
   const petsc::EventScope scope(petsc::events().contact_term);
   scene_.take(a);
   const contact::ContactSet& set = scene_.set();
@@ -81,7 +84,7 @@ void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
     if (!set.surface().is_sheet(p)) break;  // those of obstacles follow
     force_[p].setZero();
   }
-  set.add_gradient(scene_.points().now, force_, part);
+  const double squares = set.add_gradient(scene_.points().now, force_, part);
   const LocalPoints& local = scene_.dofs().local();
   const petsc::WriteArray out(f);
   for (Index i = 0; i < local.owned; ++i) {
@@ -89,6 +92,7 @@ void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
     const Vec3 own = scene_.dofs().to_own(v, force_[v]);
     for (int k = 0; k < 3; ++k) out[3 * i + k] += own[k];
   }
+  return std::sqrt(mpi::sum(scene_.dofs().comm(), squares));
 }
 
 bool Contact::extend_pattern(Vec a, const BlockMatrix& matrix, const BlockPattern& base, BlockPattern& pattern) {

@@ -61,12 +61,14 @@ class Contact {
   [[nodiscard]] double energy(Vec a, contact::ContactSet::Part part = contact::ContactSet::both);
   /// What friction takes from the start of the step to state a, with the forces there. Collective. [J]
   [[nodiscard]] double friction_work(Vec a);
-  /// The force that the sheet exerts on each obstacle at state a, friction included, the same on every rank. Collective. [N]
+  /// The force that the sheet exerts on each obstacle at state a, friction included, the same on every rank; NaN where that of a
+  /// state from elsewhere is not known. Collective. [N]
   [[nodiscard]] std::vector<Vec3> forces_on_obstacles(Vec a);
   /// Work of what moves the obstacles from the start of the step, with the normal forces at state a. Collective. [J]
   [[nodiscard]] double obstacle_work(Vec a);
-  /// Adds the derivative of the energy to f (all components, fixed ones too). Collective. [N]
-  void add_gradient(Vec a, Vec f, contact::ContactSet::Part part = contact::ContactSet::both);
+  /// Adds the derivative of the energy to f (all components, fixed ones too). Returns the norm of all forces on vertices, also of
+  /// those that cancel at one. Collective. [N]
+  double add_gradient(Vec a, Vec f, contact::ContactSet::Part part = contact::ContactSet::both);
   /// True if a pair that acts at state a lacks its place in the matrix on some rank; then `pattern` becomes `base`, of this rank's
   /// rows, with the columns that contacts within a few activation distances need. Collective.
   [[nodiscard]] bool extend_pattern(Vec a, const BlockMatrix& matrix, const BlockPattern& base, BlockPattern& pattern);

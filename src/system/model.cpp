@@ -67,9 +67,10 @@ void Model::unbalanced_force(Vec a, Vec f) {
   potential_->force(c, a, f);
   if (contact_) {
     VOILE_PETSC(VecCopy(f, work_));
-    contact_->add_gradient(a, f);
+    const double pressed = contact_->add_gradient(a, f);
     VOILE_PETSC(VecAXPY(work_, -1.0, f));
     VOILE_PETSC(VecNorm(work_, NORM_2, &contact_force_));
+    contact_force_ = std::max(contact_force_, pressed);  // obstacles on both sides press against each other
   }
   // Applied forces collect in work_, so that their size is known.
   conditions_->applied_forces(c, force_, work_);

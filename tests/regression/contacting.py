@@ -326,3 +326,32 @@ def ball_turns_on_plate(report):
     for keys, why in (({"analysis": "drape"}, "moves only with"), ({"analysis": "static", "steps": {"control": "arc_length"}}, "load")):
         refused = run(write_case(case | keys, OUT / "ball_refused.toml"), fresh("ball_refused"))
         report.check(refused.code == 2 and why in refused.text, f"{keys}: code {refused.code}: {refused.text.strip().splitlines()[-1][:150]}")
+
+
+@test
+def strip_between_jaws(report):
+    """Two plates close on a strip with friction and nothing else acts, then its end is pulled out: forces of both sides cancel at each vertex."""
+    gap, close, pull, mu = 1e-3, 5e-4, 1e-2, 0.3
+    case = {"analysis": "static",
+             "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 0.2, "width": 0.04, "nx": 20, "ny": 4}},
+             "material": [{"type": "isotropic", "young": 1e9, "poisson": 0.3, "thickness": 1e-3}],
+             "contact": {"distance": gap, "stiffness": 1e4, "self": False},
+             "support": [{"type": "displacement", "group": "tip", "components": ["x"], "motion": [f"{pull}*max(2*t - 1, 0)", "0", "0"]}],
+             "obstacle": [{"name": "below", "type": "plane", "point": [0, 0, -0.95 * gap], "normal": [0, 0, 1], "friction": mu},
+                          {"name": "above", "type": "plane", "point": [0, 0, 0.95 * gap], "normal": [0, 0, -1], "friction": mu,
+                           "motion": ["0", "0", f"-{close / 2}*min(2*t, 1)"]}],
+             "probe": [{"name": "below", "type": "contact", "obstacle": "below"}, {"name": "above", "type": "contact", "obstacle": "above"},
+                       {"name": "pull", "type": "reaction", "group": "tip", "components": ["x"]}],
+             "steps": {"initial_step": 0.1, "max_step": 0.1}}
+    whole = solve("strip_between_jaws", case)
+    h = whole.history
+    report.check(h["above_z"][-1] > 0 and abs(h["above_z"][-1] + h["below_z"][-1]) < 1e-5 * h["above_z"][-1], f"pressed alike: {h['above_z'][-1]:.6g}, {h['below_z'][-1]:.6g} N")
+    rubbed = h["above_x"][-1] + h["below_x"][-1]
+    report.check(abs(rubbed - h["pull_x"][-1]) < 1e-4 * rubbed, f"what pulls is what rubs: {h['pull_x'][-1]:.6g}, {rubbed:.6g} N")
+    report.percent(rubbed / (2 * mu * h["above_z"][-1]), 0.01, "which is mu times what both press")
+    half = solve("strip_jaws_half", case | {"steps": case["steps"] | {"final_load_factor": 0.8}})
+    again = solve("strip_jaws_again", case, options=["--restart", str(half.folder / "checkpoint.h5")])
+    report.check(np.isnan(again.history["above_x"][0]) and again.history["above_x"][-1] == h["above_x"][-1], "a restart does not know the friction at its start, and ends with it")
+    jump = case | {"obstacle": [case["obstacle"][0], case["obstacle"][1] | {"motion": ["0", "0", "-10*(t>0.5)"]}]}
+    result = run(write_case(jump, OUT / "strip_jaws_jump.toml"), fresh("strip_jaws_jump"))
+    report.check(result.code == 3 and len(result.history["load_factor"]) < 30, f"a plate that jumps through: code {result.code}, {len(result.history['load_factor'])} rows: {result.text.strip().splitlines()[-1][:200]}")
