@@ -267,7 +267,7 @@ std::vector<Key> keys_of(Probe& s) {
            "columns `NAME_min`, `_mean`, `_max`. `ease`: least distance to the bodies and its mean over the "
            "area, `NAME_min`, `_mean`. `stress`: of a triangle in material axes, `NAME_11`, `_22`, `_12`, "
            "`_von_mises`. `contact`: total force by which the sheet presses and rubs on an obstacle; not that of an "
-           "`[[attachment]]`, and none at the start of a restarted path with friction.",
+           "`[[attachment]]`.",
        .unit = "m, N, J, Pa",
        .required = true},
       {.name = "group",

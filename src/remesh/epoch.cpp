@@ -156,10 +156,7 @@ void Epoch::make_path(const record::Recorder& recorder, Origin origin) {
   using Control = solve::StaticOptions::Control;
   const solve::StaticOptions& steps = stage_.steps;
   const bool is_given = origin != Origin::nothing;
-  // A path in contact that goes on keeps every bit; one that is at its end shows friction only where it is solved.
-  const bool at_end =
-      steps.control == Control::load && solve::at_load_factor(steps.final_load_factor, state_.load_factor);
-  if (origin == Origin::restart && state_.in_equilibrium && (!model_.contact() || at_end)) {
+  if (origin == Origin::restart && state_.in_equilibrium && !model_.contact()) {
     model_.conditions().set_load_factor(state_.load_factor);
     state_.in_equilibrium = solve::is_balanced(model_, state_.u);
   }

@@ -37,6 +37,7 @@ StoredStep step_of(const StoredResults& results, const fs::path& path, int numbe
   stored.velocity = results.vectors(at, "velocity", vertices).value_or(std::vector<double>());
   if (!stored.velocity.empty()) stored.time = record.time;
   stored.in_motion = !stored.velocity.empty() || is_motion(results);
+  stored.has_last = at > 0 && results.steps()[at - 1].number == record.number - 1;
   if (at > 0 && results.steps()[at - 1].epoch == record.epoch)
     stored.previous = results.vectors(at - 1, "displacement", vertices).value_or(std::vector<double>());
   return stored;

@@ -17,6 +17,7 @@ struct StoredStep {
   std::vector<double> path;          ///< of a path: what its next step needs (system::path_record); else empty
   std::vector<double> bodies;        ///< of rigid groups: system::rigid_record; else empty
   std::vector<double> previous;      ///< of the step stored before on the same mesh, empty if there is none [m]
+  bool has_last = false;             ///< whether that is the step before
 };
 
 /// Reads step number `step`, or the last one if negative. Not collective: root only.

@@ -18,6 +18,8 @@ namespace {
 
 /// Halvings in a row before continuation is tried.
 constexpr int halvings_before_continuation = 1;
+/// Iterations of a step in which barriers change places; target_iterations is for steps without.
+constexpr int usual_in_contact = 10;
 
 }  // namespace
 
@@ -225,8 +227,12 @@ bool LoadPath::finished(const system::State& state) const {
 }
 
 StepResult LoadPath::begin(system::State& state) {
-  StepResult r = find_equilibrium(model_, state);
   newton_.emplace(model_);
+  if (state.in_equilibrium && model_.contact()) {
+    recall_friction(state);
+    if (finished(state)) state.in_equilibrium = is_balanced(model_, state.u);  // no step will come to show it
+  }
+  StepResult r = find_equilibrium(model_, state);
   accepted_ = model_.dofs().create_vector();
   VOILE_PETSC(VecCopy(state.u, accepted_));
   step_ = state.next_step > 0.0 ? std::min(state.next_step, options_.max_step) : options_.initial_step;
@@ -236,19 +242,35 @@ StepResult LoadPath::begin(system::State& state) {
   return r;
 }
 
+void LoadPath::recall_friction(const system::State& state) {
+  if (!state.previous || !(state.path.unit > 0.0)) return;
+  set_load_factor(state.load_factor - state.path.rate * state.path.unit);
+  newton_->start_friction(state.previous);
+  set_load_factor(state.load_factor);
+  if (model_.contact()->scene().set().has_friction()) model_.contact()->lag_friction(state.u);
+}
+
+void LoadPath::predict(system::State& state, double to) const {
+  if (!state.previous || !(state.path.unit > 0.0)) return;
+  const double ratio = (to - state.load_factor) / (state.path.rate * state.path.unit);
+  VOILE_PETSC(VecAXPBY(state.u, -ratio, 1.0 + ratio, state.previous));
+}
+
 void LoadPath::set_load_factor(double factor) {
   model_.conditions().set_load_factor(factor);
   if (obstacles_move_) model_.contact()->set_time(factor);
 }
 
-NewtonResult LoadPath::settle(double from, double to, Vec a, bool by_continuation) {
+NewtonResult LoadPath::settle(system::State& state, double to, bool by_continuation) {
+  const Vec a = state.u;
   const auto solve = [&] { return by_continuation ? newton_->continuation(a) : newton_->step(a); };
-  set_load_factor(from);
+  set_load_factor(state.load_factor);
   VOILE_PETSC(VecCopy(accepted_, a));
   newton_->start_friction(accepted_);
   model_.conditions().set_load_factor(to);
   if (obstacles_move_) {
-    const system::Contact::Clearance way = model_.contact()->clear_predictor(accepted_, from, a, to);
+    if (!by_continuation) predict(state, to);
+    const system::Contact::Clearance way = model_.contact()->clear_predictor(accepted_, state.load_factor, a, to);
     if (!way.clear) {
       NewtonResult none;
       none.reason = "an obstacle leaves no room: " + way.obstruction;
@@ -284,12 +306,12 @@ StepResult LoadPath::attempt(system::State& state) {
     r.newton_iterations += r.newton.iterations;
     r.factorisations += r.newton.factorisations;
   };
-  r.newton = settle(state.load_factor, target, state.u, false);
+  r.newton = settle(state, target, false);
   tally();
   if (!r.newton.converged && options_.fallback && halvings_ == halvings_before_continuation) {
     remark(fmt::format("load factor {:.6g}: {} after {} iterations; trying pseudo-transient continuation", target,
                        r.newton.reason, r.newton.iterations));
-    r.newton = settle(state.load_factor, target, state.u, true);
+    r.newton = settle(state, target, true);
     tally();
     r.by_continuation = true;
   }
@@ -302,6 +324,12 @@ StepResult LoadPath::attempt(system::State& state) {
   if (last || r.newton.negative_pivots > 0 || !model_.conditions().symmetric())
     r.newton.negative_pivots = newton_->negative_eigenvalues(state.u);
   model_.potential().end_step(state.u);
+  if (model_.contact()) {
+    if (!state.previous) state.previous = model_.dofs().create_vector();
+    VOILE_PETSC(VecCopy(accepted_, state.previous));
+    state.path.unit = taken;
+    state.path.rate = target > state.load_factor ? 1.0 : -1.0;
+  }
   VOILE_PETSC(VecCopy(state.u, accepted_));
   state.load_factor = target;
   state.v.reset();
@@ -311,7 +339,9 @@ StepResult LoadPath::attempt(system::State& state) {
   r.taken = taken;
   // A step cut short by a stop says nothing against the step size in force; one after a failure does not grow,
   // unless continuation took it, which does not mind long steps.
-  const bool easy = r.by_continuation || (r.newton.iterations <= options_.target_iterations && halvings_ == 0);
+  const int usual =
+      model_.contact() ? std::max(options_.target_iterations, usual_in_contact) : options_.target_iterations;
+  const bool easy = r.by_continuation || (r.newton.iterations <= usual && halvings_ == 0);
   if (easy && taken > 0.9 * step_) step_ = std::min(options_.max_step, 2.0 * step_);
   halvings_ = 0;
   state.next_step = step_;

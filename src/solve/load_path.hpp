@@ -29,9 +29,13 @@ class LoadPath : public Stepper {
  private:
   [[nodiscard]] double next_target(double from, double step) const;
   [[nodiscard]] StepResult attempt(system::State& state);
-  /// From the accepted state at load factor `from` to equilibrium at `to`, friction included.
-  [[nodiscard]] NewtonResult settle(double from, double to, Vec a, bool by_continuation);
+  /// From the accepted state to equilibrium at load factor `to`, friction included. Overwrites state.u.
+  [[nodiscard]] NewtonResult settle(system::State& state, double to, bool by_continuation);
   void set_load_factor(double factor);
+  /// The state goes on as the step before did. Overwrites state.u.
+  void predict(system::State& state, double to) const;
+  /// What a state that is gone on with has of friction, from the step that led to it.
+  void recall_friction(const system::State& state);
   void halve(system::State& state, StepResult& r, double target, double taken);
 
   system::Model& model_;
