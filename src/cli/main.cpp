@@ -119,6 +119,10 @@ void declare(CLI::App& cli, Request& request) {
       ->check(CLI::NonNegativeNumber);
   run->add_option("--from", request.options.from,
                   "Begin with this stage, from the end of the one before in the output folder, or from --restart");
+  // As a script has it whose variable is not set: the run would silently begin anew.
+  for (const char* name : {"--output", "--restart", "--from"})
+    run->get_option(name)->check(
+        [](const std::string& text) { return text.empty() ? std::string("the name is empty") : std::string(); }, "");
   auto& verbosity = request.options.verbosity;
   CLI::Option* quiet = run->add_flag_callback(
       "--quiet", [&] { verbosity = record::Verbosity::quiet; }, "Print warnings and errors only");

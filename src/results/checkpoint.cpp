@@ -216,6 +216,9 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   c.in_equilibrium = read_number(file, "/", "in_equilibrium", path) != 0.0;
   for (const auto& [name, values] : vectors_of(c))
     if (has(file, name)) *values = read_values(file, name, count, path);
+  if (c.displacement.empty() || (c.velocity.empty() && !c.acceleration.empty()))
+    fail_reading(
+        path, fmt::format("it has no '{}': the file is damaged", c.displacement.empty() ? "displacement" : "velocity"));
   if (H5Aexists(file, "remeshings") > 0) {
     c.remeshings = static_cast<int>(read_number(file, "/", "remeshings", path));
     c.too_long = read_number(file, "/", "too_long", path);

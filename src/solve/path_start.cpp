@@ -20,10 +20,18 @@ void PathFollower::Impl::start_from(const system::State& state) {
 void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
   start_from(state);
   tangent = tangent_at(state.u);
-  if (!tangent.good)
+  if (!tangent.good) {
+    double size = 0.0;
+    model.load_direction(state.u, load_solution);
+    VOILE_PETSC(VecNorm(load_solution, NORM_INFINITY, &size));
+    if (size == 0.0 && model.potential().natural_growth() == 0.0)
+      throw UserError(
+          "[steps] control: no load and no temperature grows with the load factor at the start of the path; leave out "
+          "`constant`, give a [[load]], or choose \"load\"");
     throw UserError(
         "the tangent at the start of the path is singular, the linear solver does not solve it, or the load does "
         "nothing; check supports, loads and options -ksp_ and -pc_, or run `voile check`");
+  }
   VOILE_PETSC(VecCopy(load_solution, tangent_solution));
   constexpr double noise = 1e-10;  // of the largest displacement
   double largest = 0.0;

@@ -310,6 +310,16 @@ def damaged_restart(report):
         file["velocity"][0, 0] = np.inf
     result = run(longer, OUT / "damaged_run", 1, ["--restart", OUT / "damaged.h5"])
     report.check(result.code == 2 and "not finite" in result.text, f"an infinite velocity: code {result.code}")
+    for name in ("displacement", "velocity"):
+        with h5py.File(OUT / "damaged.h5", "w") as file, h5py.File(whole.folder / "checkpoint.h5") as good:
+            for other in set(good) - {name}:
+                good.copy(other, file)
+            for key, value in good.attrs.items():
+                file.attrs[key] = value
+        result = run(longer, OUT / "damaged_run", 1, ["--restart", OUT / "damaged.h5"])
+        report.check(result.code == 2 and f"has no '{name}'" in result.text, f"without {name}: code {result.code}: {result.text.strip()[-150:]}")
+    result = run(longer, OUT / "damaged_run", 1, ["--restart", ""])
+    report.check(result.code == 2 and "the name is empty" in result.text, f"an empty name: code {result.code}")
     result = run(longer, OUT / "damaged_run", 1, ["--restart", OUT / "nowhere.h5"])
     report.check(result.code == 2 and "there is no such file" in result.text, f"a checkpoint that is not there: code {result.code}")
     result = run(longer, OUT / "damaged_run", 1, ["--restart", whole.folder / "checkpoint.h5", "--set", "time.end=0.05"])
