@@ -170,9 +170,13 @@ TEST_CASE("contradictions in time sections are refused") {
     CHECK(has(error_of(text + moving),
               "support.motion: something moves only with analysis = \"dynamic\", \"static\" or \"drape\""));
   }
-  CHECK(has(error_of(still + "[[obstacle]]\nname = \"floor\"\ntype = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
-                             "rotation_axis = [1, 0, 0]\nrotation_angle = \"t\"\n"),
-            "obstacle.rotation_angle: something moves only with analysis = \"dynamic\""));
+  const std::string floor =
+      "[[obstacle]]\nname = \"floor\"\ntype = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
+      "rotation_axis = [1, 0, 0]\nrotation_angle = \"t\"\n";
+  CHECK(parse_case(still + floor, "case.toml").moves_obstacles_by_load());
+  std::string draped = head;
+  draped.replace(draped.find("dynamic"), 7, "drape");
+  CHECK(has(error_of(draped + floor), "obstacle.rotation_angle: something moves only with analysis = \"dynamic\" or"));
   const std::string clamp =
       replaced(moving, "hinged", "clamped") + "rotation_axis = [0, 2, 0]\nrotation_angle = \"90*t\"\n";
   const input::Case turning = parse_case(still + clamp, "case.toml");
