@@ -174,8 +174,8 @@ void Epoch::make_path(const record::Recorder& recorder, Origin origin) {
                           std::any_of(stage_.materials.begin(), stage_.materials.end(), energy::has_initial_state);
     stepper_ = std::make_unique<solve::Equilibrium>(model_, constant && !is_given);
   } else if (steps.control == Control::load) {
-    stepper_ =
-        std::make_unique<solve::LoadPath>(model_, steps, stage_.moves_obstacles_by_load() && moves_obstacles(model_));
+    stepper_ = std::make_unique<solve::LoadPath>(
+        model_, steps, stage_.moves_obstacles_by_load() && moves_obstacles(model_), origin == Origin::restart);
   } else {
     const petsc::VecHandle probe =
         steps.control_probe.empty() ? petsc::VecHandle{} : recorder.functional(steps.control_probe);

@@ -33,7 +33,7 @@ void take_path(const std::vector<double>& record, results::Checkpoint& c) {
   const bool good = std::all_of(record.begin(), record.end(), [](double x) { return std::abs(x) < 1e12; });
   if (record.size() != system::path_record_numbers || !good || !(record.front() > 0.0)) return;
   c.next_step = record.front();
-  if (record[2] > 0.0) c.path.assign(record.begin() + 1, record.end());  // the unit of its length
+  if (record[2] != 0.0) c.path.assign(record.begin() + 1, record.end());  // the unit of its length
 }
 
 /// What --restart names. Rank 0 only.

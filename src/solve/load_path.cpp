@@ -230,7 +230,8 @@ StepResult LoadPath::begin(system::State& state) {
   newton_.emplace(model_);
   if (state.in_equilibrium && model_.contact()) {
     recall_friction(state);
-    if (finished(state)) state.in_equilibrium = is_balanced(model_, state.u);  // no step will come to show it
+    if (restarted_ && finished(state))
+      state.in_equilibrium = is_balanced(model_, state.u);  // no step will come to show it
   }
   StepResult r = find_equilibrium(model_, state);
   accepted_ = model_.dofs().create_vector();
@@ -243,16 +244,16 @@ StepResult LoadPath::begin(system::State& state) {
 }
 
 void LoadPath::recall_friction(const system::State& state) {
-  if (!state.previous || !(state.path.unit > 0.0)) return;
-  set_load_factor(state.load_factor - state.path.rate * state.path.unit);
+  if (!state.previous || !(state.path.unit < 0.0)) return;
+  set_load_factor(state.load_factor + state.path.rate * state.path.unit);
   newton_->start_friction(state.previous);
   set_load_factor(state.load_factor);
   if (model_.contact()->scene().set().has_friction()) model_.contact()->lag_friction(state.u);
 }
 
 void LoadPath::predict(system::State& state, double to) const {
-  if (!state.previous || !(state.path.unit > 0.0)) return;
-  const double ratio = (to - state.load_factor) / (state.path.rate * state.path.unit);
+  if (!state.previous || !(state.path.unit < 0.0)) return;
+  const double ratio = (state.load_factor - to) / (state.path.rate * state.path.unit);
   VOILE_PETSC(VecAXPBY(state.u, -ratio, 1.0 + ratio, state.previous));
 }
 
@@ -327,7 +328,7 @@ StepResult LoadPath::attempt(system::State& state) {
   if (model_.contact()) {
     if (!state.previous) state.previous = model_.dofs().create_vector();
     VOILE_PETSC(VecCopy(accepted_, state.previous));
-    state.path.unit = taken;
+    state.path.unit = -taken;
     state.path.rate = target > state.load_factor ? 1.0 : -1.0;
   }
   VOILE_PETSC(VecCopy(state.u, accepted_));

@@ -17,9 +17,10 @@ void read_path_options(MPI_Comm comm, StaticOptions& options);
 /// Load control.
 class LoadPath : public Stepper {
  public:
-  /// Obstacles are where they are at the load factor, if `obstacles_move` says so. The model must outlive it.
-  LoadPath(system::Model& model, StaticOptions options, bool obstacles_move = false)
-      : model_(model), options_(std::move(options)), obstacles_move_(obstacles_move) {}
+  /// Obstacles are where they are at the load factor, if `obstacles_move` says so; `restarted`: with a state that may be of
+  /// another case. The model must outlive it.
+  LoadPath(system::Model& model, StaticOptions options, bool obstacles_move = false, bool restarted = false)
+      : model_(model), options_(std::move(options)), obstacles_move_(obstacles_move), restarted_(restarted) {}
 
   /// A state that is not in equilibrium is brought to one at its load factor first.
   [[nodiscard]] StepResult begin(system::State& state) override;
@@ -40,7 +41,7 @@ class LoadPath : public Stepper {
 
   system::Model& model_;
   StaticOptions options_;
-  bool obstacles_move_;
+  bool obstacles_move_, restarted_;
   std::optional<Newton> newton_;
   petsc::VecHandle accepted_;
   double step_ = 0.0;

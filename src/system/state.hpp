@@ -55,8 +55,9 @@ constexpr std::size_t stability_numbers = 4;
 
 /// What a path goes by besides its last two states (solve/path_following.hpp); all of it outlives a mesh.
 struct PathMemory {
-  int steps = 0;              ///< accepted since the path began or was gone on with
-  double unit = 0.0;          ///< arc length of the step whose size is 1; 0: none yet
+  int steps = 0;  ///< accepted since the path began or was gone on with
+  double unit =
+      0.0;  ///< arc length of the step whose size is 1; under load control -1 times the last step; 0: none yet
   double rate = 0.0;          ///< dlambda/ds, whose sign changes at limit points; 0: not known
   long negative_pivots = -1;  ///< of the tangent at the state; -1: not known
   bool has_branched = false;
