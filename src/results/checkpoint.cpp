@@ -198,6 +198,15 @@ Hdf5Handle open_checkpoint(const std::filesystem::path& path) {
   return file;
 }
 
+/// Those of the sheet. Every state has places, and one with accelerations has velocities.
+void read_vectors(hid_t file, std::size_t count, const std::filesystem::path& path, Checkpoint& c) {
+  for (const auto& [name, values] : vectors_of(c))
+    if (has(file, name)) *values = read_values(file, name, count, path);
+  if (c.displacement.empty() || (c.velocity.empty() && !c.acceleration.empty()))
+    fail_reading(
+        path, fmt::format("it has no '{}': the file is damaged", c.displacement.empty() ? "displacement" : "velocity"));
+}
+
 Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::SurfaceMesh& mesh) {
   const Silence silence;
   const Hdf5Handle file = open_checkpoint(path);
@@ -214,11 +223,7 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   c.next_step = read_number(file, "/", "next_step", path);
   c.load_factor = read_number(file, "/", "load_factor", path);
   c.in_equilibrium = read_number(file, "/", "in_equilibrium", path) != 0.0;
-  for (const auto& [name, values] : vectors_of(c))
-    if (has(file, name)) *values = read_values(file, name, count, path);
-  if (c.displacement.empty() || (c.velocity.empty() && !c.acceleration.empty()))
-    fail_reading(
-        path, fmt::format("it has no '{}': the file is damaged", c.displacement.empty() ? "displacement" : "velocity"));
+  read_vectors(file, count, path, c);
   if (H5Aexists(file, "remeshings") > 0) {
     c.remeshings = static_cast<int>(read_number(file, "/", "remeshings", path));
     c.too_long = read_number(file, "/", "too_long", path);

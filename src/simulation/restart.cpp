@@ -65,7 +65,7 @@ results::Checkpoint read_any(const input::Case& wanted, const record::RunOptions
   take_path(stored.path, c);
   system::take_rigid_record(stored.bodies, c.bodies, c.places);
   c.displacement = std::move(stored.displacement);
-  // A path under load control goes by the step before, one along an arc by a direction.
+  // A path under load control needs the very step before, one along an arc a direction.
   if (!shape_only && (stored.has_last || wanted.steps.control != solve::StaticOptions::Control::load))
     c.previous = std::move(stored.previous);
   c.in_equilibrium = !stored.in_motion;

@@ -1,4 +1,4 @@
-// Obstacles from one stage to the next: which clock they go by.
+// Obstacles from one stage to the next: whether the time or a load factor moves them.
 #pragma once
 
 #include <vector>

@@ -323,7 +323,9 @@ def ball_turns_on_plate(report):
     again = solve("ball_turns_again", case, options=["--restart", str(OUT / "ball_turns_half" / "checkpoint.h5")])
     same = done.results[-1].positions - again.results[-1].positions
     report.check(np.all(same == 0), f"a restart at half of the way ends at the same places, to {abs(same).max():.1g} m")
-    for keys, why in (({"analysis": "drape"}, "moves only with"), ({"analysis": "static", "steps": {"control": "arc_length"}}, "load")):
+    for keys, why in (({"analysis": "drape"}, "moves only with"), ({"analysis": "static", "steps": {"control": "arc_length"}}, "load"),
+                      ({"obstacle": [ball | {"on_pinch": "pass"}]}, "obstacle.on_pinch"),
+                      ({"probe": [case["probe"][0] | {"obstacle": "bal"}]}, "did you mean 'ball'")):
         refused = run(write_case(case | keys, OUT / "ball_refused.toml"), fresh("ball_refused"))
         report.check(refused.code == 2 and why in refused.text, f"{keys}: code {refused.code}: {refused.text.strip().splitlines()[-1][:150]}")
 
