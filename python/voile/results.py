@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -31,18 +32,22 @@ def text(value: Any) -> str:
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
-def opened(file: Path, index: bool = False) -> h5py.File:
-    """A file whose data are all in itself; ValueError if it names others, which a stranger's file is not to have read.
-    `index`: of a run that has not ended, which names the files of its steps; these are opened by name instead."""
+@contextmanager
+def opened(file: Path, index: bool | None = None) -> Iterator[h5py.File]:
+    """A file to read; ValueError that names it if it is damaged, and, unless `index` is None, if its data are not all in itself,
+    which a stranger's file is not to have read. `index`: of a run that has not ended, which names the files of its steps; these
+    are opened by name instead."""
     if file.exists() and not file.is_file():
         raise ValueError(f"{file}: this is a pipe, a socket or a device")
-    data = h5py.File(file, "r")
     try:
-        _refuse_foreign(data, ("/voile/epochs", "/voile/obstacles", "/voile/steps/obstacle_positions", "/VTKHDF") if index else ())
-    except ValueError:
-        data.close()
+        with h5py.File(file, "r") as data:
+            if index is not None:
+                _refuse_foreign(data, ("/voile/epochs", "/voile/obstacles", "/voile/steps/obstacle_positions", "/VTKHDF") if index else ())
+            yield data
+    except FileNotFoundError:
         raise
-    return data
+    except (OSError, KeyError, RuntimeError) as error:  # as h5py names neither the file nor what is wrong with it
+        raise ValueError(f"{file}: damaged, or not results of Voile: {error}") from None
 
 
 def _refuse_foreign(group: h5py.Group, but: tuple[str, ...]) -> None:
@@ -107,11 +112,11 @@ class Step:
 
     def unit(self, name: str) -> str:
         """Unit of a field."""
-        return self.results._unit(self.place, name)
+        return self.results._unit(self.place, self._known(name))
 
     def on_vertices(self, name: str) -> bool:
         """Whether a field has a row for each vertex; otherwise for each triangle."""
-        return self.results._on_vertices(self.place, name)
+        return self.results._on_vertices(self.place, self._known(name))
 
     def to_pyvista(self) -> Any:
         """The sheet at this step as pyvista.PolyData with all fields; needs the package pyvista."""
@@ -130,9 +135,12 @@ class Step:
         return name in self.names()
 
     def __getitem__(self, name: str) -> Array:
+        return self.results._field(self.place, self.epoch, self._known(name))
+
+    def _known(self, name: str) -> str:
         if name not in self:
             raise KeyError(f"step {self.number} has no {name!r}; it has {self.names()}")
-        return self.results._field(self.place, self.epoch, name)
+        return name
 
 
 class Results:
@@ -146,7 +154,7 @@ class Results:
             inside = sorted(f.parent.name for f in place.glob(f"*/{NAME}")) if place.is_dir() else []
             raise FileNotFoundError(f"{self.file} is not there" + (f"; the folder has results of: {', '.join(inside)}" if inside else ""))
         self._meshes: dict[int, Mesh] = {}
-        with h5py.File(self.file, "r") as data:
+        with opened(self.file) as data:
             if not isinstance(data.get("voile", getlink=True), h5py.HardLink):
                 raise ValueError(f"{self.file}: 'voile' is missing, or a link perhaps to another file; it is not read")
             self.complete = bool(data["voile"].attrs["complete"])
@@ -159,7 +167,7 @@ class Results:
             self._paths = self._fields(data) if self.complete else {}
             self._has = {name: flags[...] for name, flags in table.get("has", {}).items()}
         while not self.complete and self._file(len(self.steps)).is_file():  # the index does not name them yet
-            with opened(self._file(len(self.steps))) as data:
+            with opened(self._file(len(self.steps)), index=False) as data:
                 values = [data.attrs[name] for name in ("step", "time", "load_factor", "epoch")]
             self.steps.append(Step(self, len(self.steps), *values))
 
@@ -170,7 +178,11 @@ class Results:
         return iter(self.steps)
 
     def __getitem__(self, i: int) -> Step:
-        return self.steps[i]
+        try:
+            return self.steps[i]
+        except IndexError:
+            remedy = "step() takes the number that the program prints"
+            raise IndexError(f"{self.file}: there is no place {i} in a list of {len(self)} steps; {remedy}") from None
 
     def step(self, number: int) -> Step:
         """The step of that number, which the program prints; not its place in the list."""
@@ -196,10 +208,10 @@ class Results:
     def mesh(self, epoch: int = 0) -> Mesh:
         if epoch not in self._meshes:
             if self.complete:
-                with h5py.File(self.file, "r") as data:
+                with opened(self.file) as data:
                     self._meshes[epoch] = Mesh(data[f"voile/epochs/{epoch:06d}"])
             else:
-                with opened(self.file.parent / "steps" / f"epoch_{epoch:06d}.h5") as data:
+                with opened(self.file.parent / "steps" / f"epoch_{epoch:06d}.h5", index=False) as data:
                     self._meshes[epoch] = Mesh(data["mesh"])
         return self._meshes[epoch]
 
@@ -209,7 +221,7 @@ class Results:
         where, at = (self.file, "voile/obstacles") if self.complete else (self.file.parent / "steps" / "obstacles.h5", "obstacles")
         if not where.is_file():
             return {}
-        with opened(where) as data:
+        with opened(where, index=False) as data:
             if at not in data:
                 return {}
             found = {name: values[...] for name, values in data[at].items()}
@@ -238,19 +250,19 @@ class Results:
     def _fields_of(self, place: int) -> list[str]:
         if self.complete:
             return [name for name, flags in self._has.items() if flags[place]]
-        with opened(self._file(place)) as data:
+        with opened(self._file(place), index=False) as data:
             return list(data["fields"])
 
     def _unit(self, place: int, name: str) -> str:
         if not self.complete:
-            with opened(self._file(place)) as data:
+            with opened(self._file(place), index=False) as data:
                 return text(data["fields"][name].attrs["unit"])
-        with h5py.File(self.file, "r") as data:
+        with opened(self.file) as data:
             return text(data[self._paths[name]].attrs["unit"])
 
     def _on_vertices(self, place: int, name: str) -> bool:
         if not self.complete:
-            with opened(self._file(place)) as data:
+            with opened(self._file(place), index=False) as data:
                 return text(data["fields"][name].attrs["centre"]) == "vertex"
         return "/PointData/" in self._paths[name]
 
@@ -258,23 +270,23 @@ class Results:
         """(path, first row, number of rows) of a field in the one file."""
         path, mesh = self._paths[name], self.mesh(epoch)
         kind, array = path.split("/")[1:]
-        with h5py.File(self.file, "r") as data:
+        with opened(self.file) as data:
             begin = int(data[f"VTKHDF/Steps/{kind}Offsets/{array}"][place])
         return path, begin, len(mesh.positions if kind == "PointData" else mesh.triangles)
 
     def _field(self, place: int, epoch: int, name: str) -> Array:
         if not self.complete:
-            with opened(self._file(place)) as data:
+            with opened(self._file(place), index=False) as data:
                 return data["fields"][name][...]
         path, begin, rows = self._where(place, epoch, name)
-        with h5py.File(self.file, "r") as data:
+        with opened(self.file) as data:
             return data[path][begin:begin + rows]
 
     def _obstacles_of(self, place: int) -> Array | None:
         if not self.complete:
-            with opened(self._file(place)) as data:
+            with opened(self._file(place), index=False) as data:
                 return data["obstacles"][...].astype(float) if "obstacles" in data else None
-        with h5py.File(self.file, "r") as data:
+        with opened(self.file) as data:
             if "obstacle_positions" not in data["voile/steps"]:
                 return None
             rows = len(data["voile/obstacles/positions"])

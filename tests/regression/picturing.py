@@ -8,6 +8,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as xml
 
+import h5py
 import numpy as np
 from harness import OUT, solve, test
 from common import fresh, lines, pixels, started, strip, wait_for
@@ -368,6 +369,15 @@ def film(report):
     report.check(np.abs(stills[0] - stills[-1]).mean() > 6, "which is less than frames differ")
 
 
+def raised(kind, call):
+    """What an exception of that kind says; empty if there is none."""
+    try:
+        call()
+    except kind as error:
+        return str(error)
+    return ""
+
+
 @test
 def python_package(report):
     """Cases go to TOML and back; a case from a dictionary runs; results and history are arrays; pyvista gets the surface."""
@@ -406,6 +416,18 @@ def python_package(report):
         report.check(False, "a folder of stages is no result")
     except FileNotFoundError as error:
         report.check("has results of: first" in str(error), f"a folder of stages names them: {error}")
+
+    damaged = fresh("python_damaged") / "results.vtkhdf"
+    damaged.parent.mkdir()
+    whole = (OUT / "python_strip" / "results.vtkhdf").read_bytes()
+    for content in (b"no results", whole[:len(whole) // 2], b""):
+        damaged.write_bytes(content)
+        report.check(str(damaged) in raised(ValueError, lambda: Results(damaged)), f"a damaged file of {len(content)} bytes is named")
+    with h5py.File(damaged, "w") as file:
+        file.create_group("voile")
+    report.check(str(damaged) in raised(ValueError, lambda: Results(damaged)), "so is one that lacks what it should hold")
+    report.check("list of" in raised(IndexError, lambda: done.results[99]) and len(done.results[:2]) == 2, "a place behind the end is named")
+    report.check("it has" in raised(KeyError, lambda: last.unit("nosuch")), "a unit of no field says which fields there are")
 
     class Sheet:
         def __init__(self, points, faces):
