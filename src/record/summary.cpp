@@ -36,6 +36,12 @@ Json json_of(const GarmentMeasures& m) {
   return all;
 }
 
+/// What summary.json in a folder holds; no object where that is damaged.
+Json summary_in(const std::filesystem::path& folder) {
+  std::ifstream in = open_input(folder / file_name);
+  return Json::parse(in, nullptr, false);
+}
+
 Json json_of(const system::EnergyBalance& b) {
   Json all{{"initial_energy", b.initial}, {"kinetic_energy", b.kinetic}};
   for (const auto& [name, value] : named_parts(b)) all[name] = value;
@@ -142,22 +148,31 @@ void write_summary(const std::filesystem::path& folder, const Summary& s) {
   write(folder / file_name, json_of(s));
 }
 
-void write_stages(const std::filesystem::path& folder, const std::vector<std::pair<std::string, Summary>>& stages,
-                  std::size_t of) {
+void write_stages(const std::filesystem::path& folder, const std::vector<std::string>& kept,
+                  const std::vector<std::pair<std::string, Summary>>& stages, std::size_t of) {
   Json all = Json::array();
   bool converged = stages.size() == of;
-  for (const auto& [name, s] : stages) {
+  const auto add = [&all](const std::string& name, const Json& summary) {
     Json one{{"name", name}};
-    one.update(json_of(s));
+    one.update(summary);
     all.push_back(one);
+  };
+  for (const std::string& name : kept) {
+    if (!std::filesystem::is_regular_file(folder / name / file_name)) continue;
+    Json summary = summary_in(folder / name);
+    if (!summary.is_object()) continue;
+    summary["of_an_earlier_run"] = true;
+    add(name, summary);
+  }
+  for (const auto& [name, s] : stages) {
+    add(name, json_of(s));
     converged = converged && s.converged;
   }
   write(folder / file_name, {{"converged", converged}, {"stages", all}});
 }
 
 bool has_converged(const std::filesystem::path& folder) {
-  std::ifstream in = open_input(folder / file_name);
-  const Json summary = Json::parse(in, nullptr, false);
+  const Json summary = summary_in(folder);
   return summary.is_object() && summary.value("converged", false);
 }
 

@@ -80,9 +80,9 @@ struct Summary {
 /// summary.json in the folder of a run or stage. Not collective: call on one rank. Throws UserError.
 void write_summary(const std::filesystem::path& folder, const Summary& s);
 
-/// The same over stages by name; `of`: how many were to be run.
-void write_stages(const std::filesystem::path& folder, const std::vector<std::pair<std::string, Summary>>& stages,
-                  std::size_t of);
+/// The same over stages by name, after those that an earlier run has left (`kept`); `of`: how many were to be run.
+void write_stages(const std::filesystem::path& folder, const std::vector<std::string>& kept,
+                  const std::vector<std::pair<std::string, Summary>>& stages, std::size_t of);
 
 /// Whether the summary in a folder says that its run or stage has come to its end. Not collective.
 [[nodiscard]] bool has_converged(const std::filesystem::path& folder);

@@ -162,8 +162,12 @@ bool CaseRun::finished() const {
 
 Exit CaseRun::finish() {
   if (summaries_.size() == number_) end_stage();
-  if (!case_.stages.empty() && !options_.output.empty())
-    mpi::on_root(options_.comm, [&] { record::write_stages(options_.output, summaries_, stages_.size()); });
+  if (!case_.stages.empty() && !options_.output.empty()) {
+    std::vector<std::string> kept;  // the stages before the one that --from names
+    for (const input::Case& one : case_.stages) kept.push_back(one.stage.name);
+    kept.resize(kept.size() - stages_.size());
+    mpi::on_root(options_.comm, [&] { record::write_stages(options_.output, kept, summaries_, stages_.size()); });
+  }
   return outcome();
 }
 

@@ -1,5 +1,6 @@
 """Regression tests of contact that look at the recorded states themselves: what pierces what, and the signs of forces."""
 
+import json
 import math
 
 import numpy as np
@@ -204,6 +205,8 @@ def stages_in_impact(report):
         report.percent(result.stage("b").history["kinetic_energy"][-1] / whole, 0.005, f"{ranks} rank(s): kinetic energy after it")
     again = run(OUT / "impact_staged.toml", result.folder, 1, ["--from", "b"])
     report.check(again.code == 0, f"--from b: code {again.code}")
+    stages = json.loads((result.folder / "summary.json").read_text())["stages"]
+    report.check([(s["name"], s.get("of_an_earlier_run", False)) for s in stages] == [("a", True), ("b", False)], "the summary keeps the stage before")
     report.percent(again.stage("b").history["kinetic_energy"][-1] / whole, 0.005, "the same from the checkpoint of the stage before")
     # A barrier that is wider in the next stage begins where it presses as much.
     rests = {k: v for k, v in case.items() if k != "initial_velocity"} | {
