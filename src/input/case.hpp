@@ -279,8 +279,8 @@ struct StageSection {
   std::string name;  ///< of its folder too
   Analysis analysis = Analysis::statics;
   std::size_t number = 0;  ///< counted from 0
-  std::vector<std::size_t> supports{}, loads{}, springs{}, attachments{}, temperatures{}, obstacles{},
-      rigids{};                    ///< which of the file's hold in it
+  std::vector<std::size_t> supports{}, loads{}, springs{}, attachments{}, temperatures{}, obstacles{}, rigids{},
+      periodics{};                 ///< which of the file's hold in it
   std::vector<std::string> sew{};  ///< seams that it closes; "all": every one
   /// Whether its modes are for the shape of later stages; whether its shape has such modes; the first of those begins without stress.
   bool gives_modes = false, takes_modes = false, begins_anew = false;

@@ -59,8 +59,9 @@ const std::vector<std::string>& stage_tables() {
 }
 
 const std::vector<std::string>& staged_items() {
-  static const std::vector<std::string> names{"support", "load",     "temperature",  "mass",       "spring",
-                                              "rigid",   "obstacle", "contact_rule", "attachment", "initial_velocity"};
+  static const std::vector<std::string> names{"support",      "load",       "temperature",     "mass",
+                                              "spring",       "rigid",      "periodic",        "obstacle",
+                                              "contact_rule", "attachment", "initial_velocity"};
   return names;
 }
 
@@ -142,7 +143,7 @@ const std::vector<SectionInfo>& sections() {
        "unsymmetric laminates."},
       {"periodic", true,
        "Pairs of boundary curves along which the sheet repeats itself: see [one cell of a periodic "
-       "sheet](../howto/repeat-a-cell.md). Not with contact, stages, panels, masses, hinges, rigid groups, "
+       "sheet](../howto/repeat-a-cell.md). Not with contact, panels, masses, hinges, rigid groups, "
        "gases, `[remesh]` or `[form]`; springs act across differences."},
       {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
       {"temperature", true,

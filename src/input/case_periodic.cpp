@@ -40,12 +40,13 @@ void take_component(const SectionPlace& place, const Case& c, std::size_t k, Per
   const std::optional<double> number = plain_number(text);
   if (number) s.pair.difference[i] = *number;
   if (number == 0.0) return;
-  if (c.analysis == Analysis::dynamic)
+  // A stage may hold what another has moved, and its own are looked at with those (simulation/stage_periodic.cpp).
+  if (c.analysis == Analysis::dynamic && !c.is_staged())
     place.fail("difference", fmt::format("{} = {}: edges that move apart in time are not modelled; use 0, or \"free\" "
                                          "with a force",
                                          directions[k], text));
   if (number) return;
-  if (c.analysis != Analysis::statics || c.steps.control != solve::StaticOptions::Control::load)
+  if (!c.is_staged() && (c.analysis != Analysis::statics || c.steps.control != solve::StaticOptions::Control::load))
     place.fail("difference", fmt::format("{} = \"{}\": an expression needs analysis = \"static\" with steps.control = "
                                          "\"load\"; give a number, which grows with the load factor",
                                          directions[k], text));
@@ -89,7 +90,6 @@ void refuse_spring(const Case& c, const system::Spring& spring, const Refuse& re
 
 void refuse_sections(const Case& c, const Refuse& refuse) {
   constexpr const char* remove = "what it does is not continued beyond the edges; remove one of the sections";
-  if (c.is_staged()) refuse("[[stage]]", "write a case for each stage, without stages");
   if (c.contact.input.active)
     refuse("[contact]", "the sheet has no contact with its images; remove one of the sections");
   if (c.remesh.active) refuse("[remesh]", "the mesh of periodic edges stays as it is; remove one of the sections");

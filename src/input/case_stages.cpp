@@ -184,6 +184,8 @@ StageSection CaseReader::select_stage(std::size_t n) {
       s.springs = std::move(kept);
     else if (section == "rigid")
       s.rigids = std::move(kept);
+    else if (section == "periodic")
+      s.periodics = std::move(kept);
     else if (section == "attachment")
       s.attachments = std::move(kept);
   }

@@ -15,6 +15,7 @@
 #include "stage_check.hpp"
 #include "stage_obstacles.hpp"
 #include "stage_options.hpp"
+#include "stage_periodic.hpp"
 #include "stage_rigid.hpp"
 #include "voile/errors.hpp"
 
@@ -281,6 +282,7 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
       for (std::string& text : counted_from_welds(stages.back(), s)) notes.push_back(std::move(text));
       for (std::string& text : hold_over_rigids(&stages.back(), factor_at_end(stages.back().c), s))
         notes.push_back(std::move(text));
+      hold_over_periodics(&stages.back(), factor_at_end(stages.back().c), s);
       if (stages.back().c.contact.input.active && one.finds_modes())
         notes.push_back(fmt::format(
             "stage '{}' knows no contact: its modes, and what comes after, are about the equilibrium without obstacles",
@@ -289,7 +291,10 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
       for (const std::string& text : notes)
         for (input::Case* of : {&stages.front().c, &s.c}) of->notes.push_back(text);
     }
-    if (!one.stage.continues()) (void)hold_over_rigids(nullptr, 1.0, s);
+    if (!one.stage.continues()) {
+      (void)hold_over_rigids(nullptr, 1.0, s);
+      hold_over_periodics(nullptr, 1.0, s);
+    }
     if (!one.stage.attachments.empty() && one.attachments.empty()) {
       const std::string text =
           fmt::format("stage '{}': [[attachment]] holds nothing where there is no contact, with analysis = \"{}\"",

@@ -76,6 +76,7 @@ struct PeriodicPair {
   Vec3 difference = Vec3::Zero();              ///< displacement of `to` less that of `from`, at load factor 1 [m]
   std::function<Vec3(double time)> motion;     ///< added to it [m]; empty: none
   Vec3 force = Vec3::Zero();                   ///< on the difference where it is free, dead, at load factor 1 [N]
+  bool constant = false;                       ///< force is this at any load factor
 };
 
 struct Load {

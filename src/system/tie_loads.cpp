@@ -28,10 +28,10 @@ void BoundaryConditions::add_vertex_force(Index v, const Vec3& f, const petsc::W
 }
 
 void BoundaryConditions::add_differences(const std::vector<PeriodicPair>& periodic) {
-  const petsc::WriteArray force(dead_);
+  const petsc::WriteArray dead(dead_), constant(constant_);
   for (std::size_t p = 0; p < periodic.size(); ++p)
     if (const Index i = on_->owned(on_->constraints().ties.carriers[p]); i != no_index)
-      for (int k = 0; k < 3; ++k) force[3 * i + k] += periodic[p].force[k];
+      for (int k = 0; k < 3; ++k) (periodic[p].constant ? constant : dead)[3 * i + k] += periodic[p].force[k];
 }
 
 }  // namespace voile::system

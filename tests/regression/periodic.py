@@ -253,6 +253,51 @@ def periodic_motion(report):
 
 
 @test
+def periodic_stages(report):
+    """A cell that one stage stretches is sheared, swings and vibrates in later ones as it does alone; forces stay, what is new counts from there."""
+    length, width, strain, shear = 1.0, 0.8, 0.05, 0.03
+    along, across = {"from": "plate start", "to": "plate end", "name": "along"}, {"from": "plate low", "to": "plate high", "name": "across"}
+    free = across | {"difference": [0, "free", 0]}
+    second = ["shear", "swing", "ring"]
+    pairs = [free, along | {"difference": [strain, 0, 0], "stages": ["stretch"]}, along | {"difference": [0, f"{shear}*t", 0], "stages": second}]
+    stages = [{"name": "stretch", "analysis": "static"}, {"name": "shear", "analysis": "static", "steps": {"initial_step": 0.5}},
+              {"name": "swing", "analysis": "dynamic", "time": {"step": 0.01, "end": 0.03, "mass": "consistent"}}, {"name": "ring", "analysis": "modal", "eigen": {"modes": 6}}]
+    case = cell("periodic_stages", None, 8, 6, length, width, probe=[{"name": "low", "type": "reaction", "group": "plate low"}])
+    del case["analysis"]
+    case |= {"periodic": pairs, "stage": stages, "output": {"every": 1}}
+    alone = {"periodic": [free, along | {"difference": [strain, shear, 0]}]}
+    still = solve("periodic_stages_still", case | alone | {"stage": [stages[0], stages[3]]})
+    want, column = still.stage("stretch").history, ("along_x", "along_y", "along_force_x", "along_force_y", "across_y")
+    for ranks in (1, 3):
+        run_of = solve("periodic_stages", case, ranks)
+        for stage in ("shear", "swing"):
+            h = run_of.stage(stage).history
+            for name in column:
+                report.near(h[name][-1], want[name][-1], 1e-7 * abs(want["along_force_x" if "force" in name else "along_x"][-1]), f"{ranks} ranks: {name} after {stage}")
+        report.near(run_of.stage("shear").history["along_x"][0], strain, 1e-12, "it begins where the stage before has stretched it to")
+        report.below(run_of.stage("swing").history["kinetic_energy"].max(), 1e-10, "and is at rest there [J]")
+        for f, e in zip(run_of.stage("ring").summary["eigenvalues"][3:], still.stage("ring").summary["eigenvalues"][3:]):
+            report.percent(f / e, 1e-6, f"frequency {f:.5g} Hz")
+    again = run(OUT / "periodic_stages.toml", run_of.folder, 1, ["--from", "shear"])
+    report.near(again.stage("shear").history["along_force_y"][-1], want["along_force_y"][-1], 1e-7 * abs(want["along_force_x"][-1]), "--from goes on from there")
+    # A force stays while a later one grows, and what is held then is held where it has come to.
+    force, more = 3000.0, 1000.0
+    pulled = [free | {"stages": ["pull", "hold"]}, along | {"difference": ["free", 0, 0], "force": [force, 0, 0], "stages": ["pull"]},
+              along | {"stages": ["hold", "push"]}, across | {"difference": [0, "free", 0], "force": [0, more, 0], "stages": ["push"]}]
+    run_of = solve("periodic_stages_forces", case | {"periodic": pulled, "stage": [{"name": n, "analysis": "static"} for n in ("pull", "hold", "push")]}, 2)
+    pull, hold, push = (run_of.stage(name).history for name in ("pull", "hold", "push"))
+    report.percent(hold["along_force_x"][-1] / force, 1e-6, "what the force has stretched is held with it")
+    report.near(push["along_x"][-1], pull["along_x"][-1], 1e-9, "where it is")
+    report.check(push["across_y"][-1] > hold["across_y"][-1] and push["along_force_x"][-1] > 1.05 * force, "while the other direction is pulled")
+    kept = [free | {"stages": ["pull"]}, along | {"difference": ["free", 0, 0], "force": [force, 0, 0]}, across | {"difference": [0, "free", 0], "force": [0, more, 0], "stages": ["push"]}]
+    both = [across | {"difference": [0, "free", 0], "force": [0, more, 0]}, along | {"difference": ["free", 0, 0], "force": [force, 0, 0]}]
+    end = solve("periodic_stages_kept", case | {"periodic": kept, "stage": [{"name": n, "analysis": "static"} for n in ("pull", "push")]}).stage("push").history
+    once = solve("periodic_stages_once", case | {"periodic": both, "stage": [{"name": "all", "analysis": "static"}]}).stage("all").history
+    report.percent(end["along_x"][-1] / once["along_x"][-1], 1e-6, "a force that has grown stays")
+    report.near(end["along_x"][0], pull["along_x"][-1], 1e-9, "from the start of the stage")
+
+
+@test
 def periodic_mistakes(report):
     """What periodic edges cannot be is refused with the file, the key and a remedy."""
     pull = {"from": "clamp", "to": "tip"}
@@ -261,6 +306,11 @@ def periodic_mistakes(report):
     free = no | {"periodic": [SIDES | {"difference": ["free", 0, 0]}]}
     spring = [{"type": "area", "stiffness": 1.0}]
     obstacle = [{"type": "plane", "name": "floor", "point": [0, 0, -1], "normal": [0, 0, 1]}]
+    staged = {"analysis": None, "stage": [{"name": name, "analysis": "static"} for name in "ab"]}
+
+    def later(analysis, difference):
+        return no | {"analysis": None, "stage": [{"name": "a", "analysis": "static"}, {"name": "b", "analysis": analysis, "time": {"end": 1.0, "step": 0.1}}],
+                     "periodic": [SIDES | {"stages": ["a"]}, SIDES | {"stages": ["b"], "difference": difference}]}
     cases = {
         "unknown": ({"periodic": [SIDES | {"to": "nowhere"}]}, ("periodic", "'nowhere'", "clamp")),
         "surface": ({"periodic": [SIDES | {"to": "plate"}]}, ("periodic", "'plate'")),
@@ -288,7 +338,10 @@ def periodic_mistakes(report):
         "remesh": ({"remesh": {}}, ("[[periodic]] and [remesh]", "remove")),
         "form": ({"form": {}, "material": [PLATE | {"prestress": [10.0, 10.0]}]}, ("[form]", "remove")),
         "gas": ({"load": [{"type": "gas", "group": "plate", "magnitude": 10.0}]}, ("[[periodic]] and [[load]]", "follower_pressure")),
-        "stages": ({"analysis": None, "stage": [{"name": "a", "analysis": "static"}]}, ("[[periodic]] and [[stage]]",)),
+        "lost pair": (staged | {"periodic": [SIDES | {"stages": ["a"]}]}, ("stage 'b'", "[[periodic]] from 'side_low' to 'side_high'", "every stage")),
+        "late pair": (staged | {"periodic": [SIDES | {"stages": ["b"]}]}, ("stage 'b'", "[[periodic]] from 'side_low'", "every stage")),
+        "moved later": (later("dynamic", [0.1, 0, 0]), ("stage 'b'", "in time", "static stage before")),
+        "expression later": (later("modal", ["0.1*t", 0, 0]), ("stage 'b'", "control = \"load\"", "give a number")),
         "lumped": ({"analysis": "modal", "eigen": {"mass": "lumped"}} | free, ("eigen.mass", "consistent")),
         "motion": ({"analysis": "dynamic", "time": {"end": 1.0, "step": 0.1}} | free, ("time.mass", "consistent")),
         "name": ({"periodic": [SIDES | {"name": "a,b"}]}, ("periodic.name", "commas")),
