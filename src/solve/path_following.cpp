@@ -12,8 +12,8 @@ namespace voile::solve {
 namespace {
 
 constexpr int locating_steps = 12;
-constexpr double shortest_doubt =
-    0.01;  ///< of a step that has led off the path: shorter ones that fail end the search for it
+/// Of a step that has led off the path: shorter ones that fail end the search for it.
+constexpr double shortest_doubt = 0.01, shortest_corner = 1e-3;
 constexpr const char* singular = "the tangent is singular";
 constexpr double located = 1e-5;  ///< critical eigenvalue, relative to those on both sides, at which a point is found
 
@@ -75,25 +75,6 @@ NewtonResult PathFollower::Impl::land(Vec a, double& lambda) {
   VOILE_PETSC(VecScale(increment, part));
   lambda = by_probe ? factor + part * (lambda - factor) : end;
   return correct(a, lambda, {by_probe ? Control::displacement : Control::load, end});
-}
-
-/// Where the controlled displacement turns back (snap-back), the next larger one belongs to another path, as far away however
-/// short the step: |Da - prediction| > |prediction|.
-bool PathFollower::Impl::leaves_path(const Constraint& constraint) const {
-  if (constraint.kind != Control::displacement) return false;
-  const double change = (constraint.value - probed(accepted)) / probed(tangent_solution);
-  return dot(increment, increment) > 2.0 * change * dot(increment, tangent_solution);
-}
-
-/// The same after the fact: the tangents at both ends do not lead from one to the other.
-bool PathFollower::Impl::has_jumped(const Constraint& constraint) const {
-  if (constraint.kind != Control::displacement || jumping) return false;
-  constexpr double most = 0.4;  // of |Da|
-  const double half = 0.5 * (constraint.value - probed(accepted));
-  VOILE_PETSC(VecCopy(increment, last_mode));
-  VOILE_PETSC(VecAXPY(last_mode, -half / probed(tangent_solution), tangent_solution));
-  VOILE_PETSC(VecAXPY(last_mode, -half / probed(load_solution), load_solution));
-  return !(dot(last_mode, last_mode) <= most * most * dot(increment, increment));
 }
 
 /// One step from the accepted state; on the way past the end, the end.
@@ -217,7 +198,8 @@ PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda) 
   const int before = linear.factorisations();
   t.newton = branching ? branch(a, lambda, length) : attempt(a, lambda, constraint);
   if (t.newton.converged) t.after = tangent_at(a);
-  if (t.newton.converged && t.after.good && !branching && has_jumped(constraint)) {
+  if (t.newton.converged && t.after.good && !branching) t.bend = bend_of(t.after);
+  if (t.newton.converged && t.after.good && !branching && !jumping && has_jumped(constraint, t.bend)) {
     doubted = std::max(doubted, length);
     t.newton.converged = false;
     t.newton.reason = "the state found lies off the path";
@@ -258,7 +240,7 @@ StepResult PathFollower::Impl::advance(system::State& state) {
   accept(state.u, lambda, t.after);
   jumping = false;
   lengthened = 0;
-  if (length >= doubted) doubted = 0.0;
+  if (options.control == Control::arc_length || length >= doubted) doubted = 0.0;
   model.potential().end_step(state.u);
   r.taken = std::sqrt(dot(previous, previous)) / unit;
   state.step = steps;
@@ -273,7 +255,8 @@ StepResult PathFollower::Impl::advance(system::State& state) {
   if (t.critical && remark) remark(text_of(*t.critical));
   if (branching && together > 1 && remark) remark(text_of_several(together));
   const double growth = std::sqrt(static_cast<double>(options.target_iterations) / std::max(1, t.newton.iterations));
-  if (!t.found) length = std::min(options.max_step * unit, length * std::clamp(growth, 0.5, 2.0));
+  if (!t.found)
+    length = std::min(options.max_step * unit, length * std::clamp(std::min(growth, straighter(t.bend)), 0.5, 2.0));
   state.next_step = length / unit;
   state.path.unit = options.control == Control::arc_length ? unit : 0.0;
   state.path.rate = rate;
@@ -282,17 +265,6 @@ StepResult PathFollower::Impl::advance(system::State& state) {
   state.path.has_branched = options.at_critical_point == AtCriticalPoint::switch_branch && !may_branch && !branching;
   ++state.path.steps;
   return r;
-}
-
-/// The path has no larger controlled displacement near the accepted state.
-void PathFollower::Impl::jump_next() {
-  jumping = true;
-  length = std::exchange(doubted, 0.0);
-  if (remark)
-    remark(fmt::format(
-        "load factor {:.6g}: control_probe turns back (snap-back), and the next step jumps to another path; "
-        "control = \"arc_length\" follows this one",
-        factor));
 }
 
 /// Where a branch is flat its tangent stays singular near the bifurcation: a longer step passes that. Returns whether one is to be
@@ -322,7 +294,10 @@ void PathFollower::Impl::halve(system::State& state, StepResult& r) {
     r.outcome = Outcome::not_yet;
     return;
   }
-  const bool searched = doubted > 0.0 && 0.5 * length < shortest_doubt * doubted;
+  const double shortest = options.control == Control::arc_length
+                              ? std::max(shortest_corner * doubted, options.min_step * unit)
+                              : shortest_doubt * doubted;
+  const bool searched = doubted > 0.0 && 0.5 * length < shortest;
   const bool last = !searched && 0.5 * length < options.min_step * unit;
   const bool round_off = r.newton.reason == singular;
   const std::string place = !last          ? ""

@@ -98,7 +98,14 @@ struct PathFollower::Impl {
   [[nodiscard]] bool at_end() const { return is_end(probed(accepted), factor); }
   [[nodiscard]] NewtonResult land(Vec a, double& lambda);
   [[nodiscard]] bool leaves_path(const Constraint& constraint) const;
-  [[nodiscard]] bool has_jumped(const Constraint& constraint) const;
+  /// Of a step of the path.
+  struct Bend {
+    double cosine = 1.0;  ///< of the angle between the tangents at both ends
+    double aside = 0.0;   ///< part of the step that is not along their bisector
+  };
+  [[nodiscard]] Bend bend_of(const Tangent& after) const;
+  [[nodiscard]] bool has_jumped(const Constraint& constraint, const Bend& bend) const;
+  [[nodiscard]] double straighter(const Bend& bend) const;
   [[nodiscard]] NewtonResult attempt(Vec a, double& lambda, const Constraint& constraint);
   [[nodiscard]] Constraint constraint_of_place(double probed_before) const;
   [[nodiscard]] std::optional<CriticalPoint::Kind> kind_between(double rate_before, long pivots_before,
@@ -112,6 +119,7 @@ struct PathFollower::Impl {
     Tangent after;
     std::optional<CriticalPoint> critical;
     bool found = false;  ///< it ends at the critical point
+    Bend bend;
   };
   [[nodiscard]] Attempt try_step(Vec a, double& lambda);
   [[nodiscard]] StepResult advance(system::State& state);

@@ -125,6 +125,23 @@ def path_goes_forward(report):
     report.check(load.max() > 0.073, f"the load gets as far as {load.max():.4f}")
 
 
+@test
+def arc_stays_on_its_path(report):
+    """Steps by arc length that would land on another branch are halved: an arch whose path winds ends where the short steps end, on two meshes."""
+    for cells, iterations in ((20, 8), (60, 5)):
+        arch = {"mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 1.0, "width": 0.1, "nx": cells, "ny": 4}},
+                "imperfection": [{"type": "expression", "height": "0.2*x*(1-x)"}], "output": {"every": 1000},
+                "material": [{"type": "isotropic", "young": 1e9, "poisson": 0.0, "thickness": 0.01}], "support": [{"type": "hinged", "group": ["clamp", "tip"]}],
+                "load": [{"type": "area", "vector": [0, 0, -4e4], "distribution": "abs(x-0.5)<0.026 ? 1 : 0"}],
+                "probe": [{"name": "crown", "type": "displacement", "point": [0.5, 0.05, 0.05], "components": ["z"]}]}
+        ends = []
+        for most in ({}, {"max_step": 0.15}):
+            steps = {"control": "arc_length", "initial_step": 0.02, "target_iterations": iterations, "max_steps": 700, "final_load_factor": 2.0}
+            end = solve("arc_stays_on_its_path", arch | {"steps": steps | most})
+            ends.append(end.history["crown_z"][-1])
+        report.near(ends[0], ends[1], 1e-8, f"{cells} cells: the crown has moved by {ends[1]:.6f} m with long and short steps")
+
+
 def cone(n, rings, radius, height):
     """An OBJ file of a cone with its tip up and n cells around."""
     points = [(0.0, 0.0, height)] + [(radius * j / rings * np.cos(2 * np.pi * i / n), radius * j / rings * np.sin(2 * np.pi * i / n), height * (1 - j / rings))
