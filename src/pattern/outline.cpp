@@ -18,8 +18,13 @@ double distance(const Vec2& x, const Vec2& a, const Vec2& b) {
 
 /// Whether two segments come nearer than the tolerance.
 bool meet(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q, double tolerance) {
+  // Of two segments of one line the signs are those of round-off.
+  const auto lie_on_both_sides = [&](const Vec2& of, const Vec2& x, const Vec2& y) {
+    const double least = tolerance * of.norm(), at = cross(of, x), other = cross(of, y);
+    return std::min(at, other) < -least && std::max(at, other) > least;
+  };
   const Vec2 d = b - a, e = q - p;
-  const bool crosses = cross(d, p - a) * cross(d, q - a) < 0.0 && cross(e, a - p) * cross(e, b - p) < 0.0;
+  const bool crosses = lie_on_both_sides(d, p - a, q - a) && lie_on_both_sides(e, a - p, b - p);
   return crosses || std::min({distance(a, p, q), distance(b, p, q), distance(p, a, b), distance(q, a, b)}) <= tolerance;
 }
 
