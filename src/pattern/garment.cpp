@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 
+#include "base/text.hpp"
 #include "formats/gmsh_polygon.hpp"
 #include "layers.hpp"
 #include "mesh/weld.hpp"
@@ -49,6 +50,16 @@ std::string where(const Panel& p) {
   return fmt::format("{}: piece '{}'", p.file, p.piece.name);
 }
 
+/// Of each vertex the others of its triangles.
+std::vector<std::vector<Index>> neighbours(const mesh::MeshData& mesh) {
+  std::vector<std::vector<Index>> all(mesh.positions.size());
+  for (const mesh::Triangle& t : mesh.triangles)
+    for (const Index v : t)
+      for (const Index w : t)
+        if (v != w && !contains(all[static_cast<std::size_t>(v)], w)) all[static_cast<std::size_t>(v)].push_back(w);
+  return all;
+}
+
 class Cutter {
  public:
   Cutter(Garment& garment, const std::vector<Mark>& marks) : g_(garment), marks_(marks), nodes_(garment.panels.size()) {
@@ -66,6 +77,7 @@ class Cutter {
     const std::vector<formats::Triangulation> cut = formats::mesh_polygons(g_.mesh.source, polygons);
     double x = 0.0;
     for (std::size_t p = 0; p < nodes_.size(); ++p) add_panel(p, cut[p], x);
+    neighbours_ = neighbours(g_.mesh);
     for (std::size_t k = 0; k < seam_fractions_.size(); ++k) add_seam(k);
     for (mesh::Group& group : mark_groups_) g_.mesh.groups.push_back(std::move(group));
   }
@@ -210,6 +222,36 @@ class Cutter {
     return all;
   }
 
+  /// Whether sewing two vertices of one piece would put edges of more than two cells onto each other. `tip`: sewn between them.
+  [[nodiscard]] bool would_fold(Index v, Index w, Index tip) const {
+    const std::vector<Index>&near = neighbours_[static_cast<std::size_t>(v)],
+          &other = neighbours_[static_cast<std::size_t>(w)];
+    if (contains(near, w)) return true;
+    return std::any_of(near.begin(), near.end(), [&](Index n) { return n != tip && contains(other, n); });
+  }
+
+  /// How many pairs beside a corner that is sewn to itself stay open, as too few cells lie between them.
+  [[nodiscard]] std::size_t open_at_tip(const std::vector<std::vector<Index>>& a,
+                                        const std::vector<std::vector<Index>>& b, bool at_end) const {
+    const std::size_t n = a.size();
+    const auto at = [&](std::size_t i) { return at_end ? n - 1 - i : i; };
+    if (a[at(0)] != b[at(0)]) return 0;
+    std::size_t open = 0;
+    for (std::size_t i = 1; i < n / 2; ++i)
+      if (would_fold(a[at(i)].front(), b[at(i)].front(), i == 1 ? a[at(0)].front() : no_index)) open = i;
+    return open;
+  }
+
+  /// What a user should know of a tip.
+  void note_open(const SeamLine& line, const std::vector<double>& fractions, std::size_t last, std::size_t tip) {
+    const double length = std::abs(fractions[last] - fractions[tip]) * std::min(line.lengths[0], line.lengths[1]);
+    g_.mesh.notes.push_back(
+        fmt::format("seam '{}': {:.3g} m of it at its {} stay open: where its two sides meet in a corner of one piece "
+                    "too few cells "
+                    "lie between them",
+                    line.name, length, tip == 0 ? "beginning" : "end"));
+  }
+
   void add_seam(std::size_t k) {
     const SeamLine& line = g_.seams.lines[k];
     const auto a = vertices_of(line.sides[0]), b = vertices_of(line.sides[1]);
@@ -217,8 +259,12 @@ class Cutter {
     if (a.size() != b.size() || a.size() != fractions[0].size())
       throw InternalError(fmt::format("seam '{}': {} and {} nodes", line.name, a.size(), b.size()));
     mesh::Seam seam{line.name, {}, {}, {}};
+    const std::size_t open = open_at_tip(a, b, false), open_end = a.size() - open_at_tip(a, b, true);
+    if (open > 0) note_open(line, fractions[0], open + 1, 0);
+    if (open_end < a.size()) note_open(line, fractions[0], open_end - 2, a.size() - 1);
     const double length = 0.5 * (line.lengths[0] + line.lengths[1]);
     for (std::size_t i = 0; i < a.size(); ++i) {
+      if ((i > 0 && i <= open) || (i + 1 >= open_end && i + 1 < a.size())) continue;
       const double low = i > 0 ? fractions[0][i - 1] : 0.0, high = i + 1 < a.size() ? fractions[0][i + 1] : 1.0;
       const auto pair = [&](Index v, Index w) {
         if (v == w) return;
@@ -235,7 +281,8 @@ class Cutter {
       if (a[i].size() > 1) pair(a[i].back(), b[i].back());
       if (a[i].size() == 1 && b[i].size() > 1) pair(a[i].front(), b[i].back());
       if (a[i].size() > 1 && b[i].size() > 1) pair(a[i].front(), b[i].back());
-      if (i > 0) pairs_.push_back({{segment(a[i - 1], a[i]), segment(b[i - 1], b[i])}, k});
+      if (i > 0 && (open == 0 || i > open + 1) && (open_end == a.size() || i + 1 < open_end))
+        pairs_.push_back({{segment(a[i - 1], a[i]), segment(b[i - 1], b[i])}, k});
     }
     g_.mesh.seams.push_back(std::move(seam));
     add_seam_group(line);
@@ -265,6 +312,7 @@ class Cutter {
   std::vector<std::vector<EdgeNodes>> nodes_;
   std::vector<std::array<std::vector<double>, 2>> seam_fractions_;
   std::vector<SewnPair> pairs_;
+  std::vector<std::vector<Index>> neighbours_;  ///< of each vertex
 };
 
 }  // namespace
