@@ -6,6 +6,7 @@
 
 #include "base/mpi.hpp"
 #include "base/petsc.hpp"
+#include "mesh/border.hpp"
 #include "record/probes.hpp"
 #include "record/report.hpp"
 #include "record/validity.hpp"
@@ -44,16 +45,19 @@ void print_groups(const mesh::SurfaceMesh& mesh) {
 
 void print_edges(const mesh::SurfaceMesh& mesh) {
   std::vector<double> edge;
-  Index boundary = 0, joined = 0;
-  for (const mesh::Joint& j : mesh.joints()) joined += static_cast<Index>(j.sides.size());
+  Index boundary = 0, parted = 0, joined = 0;
+  for (const mesh::Joint& j : mesh.joints()) {
+    parted += static_cast<Index>(j.sides.size());
+    joined += mesh::is_clamped_border(mesh, j) ? 0 : 1;
+  }
   for (Index t = 0; t < mesh.triangle_count(); ++t)
     for (int s = 0; s < 3; ++s) {
       edge.push_back((mesh.rest_corner(t, (s + 1) % 3) - mesh.rest_corner(t, (s + 2) % 3)).norm());
       boundary += mesh.neighbour(t, s) == no_index ? 1 : 0;
     }
   fmt::print("edges: {:.4g} .. {:.4g} m, median {:.4g} m; {} on the boundary{}\n", quantile(edge, 0.0),
-             quantile(edge, 1.0), quantile(edge, 0.5), boundary - joined,
-             mesh.joints().empty() ? "" : fmt::format(", {} at joints of sheets", mesh.joints().size()));
+             quantile(edge, 1.0), quantile(edge, 0.5), boundary - parted,
+             joined == 0 ? "" : fmt::format(", {} at joints of sheets", joined));
 }
 
 void print_balance(const mesh::SurfaceMesh& mesh, int ranks) {

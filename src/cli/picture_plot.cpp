@@ -30,6 +30,9 @@ constexpr std::array legends{std::pair{"beside", picture::Legend::beside},
 /// A column, or an expression of columns.
 std::vector<double> values_of(const picture::Table& table, const std::string& text) {
   if (table.has(text)) return table.column(text);
+  if (const std::size_t comma = text.find(','); comma != text.npos && table.has(text.substr(0, comma)))
+    throw UserError(fmt::format("'{}': several columns are written with / between them, as in {}/{}", text,
+                                text.substr(0, comma), text.substr(comma + 1)));
   try {
     std::vector<double> values = input::row_expression(text, table.names, table.columns);
     if (std::none_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); }))

@@ -143,8 +143,8 @@ const std::vector<SectionInfo>& sections() {
        "unsymmetric laminates."},
       {"periodic", true,
        "Pairs of boundary curves along which the sheet repeats itself: see [one cell of a periodic "
-       "sheet](../howto/repeat-a-cell.md). Not with contact, panels, masses, hinges, rigid groups, "
-       "gases, `[remesh]` or `[form]`; springs act across differences."},
+       "sheet](../howto/repeat-a-cell.md). Not with contact, panels, joined sheets, masses, hinges, "
+       "rigid groups, gases, `[remesh]` or `[form]`; springs act across differences."},
       {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
       {"temperature", true,
        "Changes of temperature from that at which the sheet has its rest shape; where groups overlap they add up. Each "

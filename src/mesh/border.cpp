@@ -24,4 +24,11 @@ std::vector<Segment> inner_border(const SurfaceMesh& mesh, const Group& group) {
   return border;
 }
 
+bool is_clamped_border(const SurfaceMesh& mesh, const Joint& joint) {
+  const auto is_among = [&](const std::vector<Segment>& edges) {
+    return std::binary_search(edges.begin(), edges.end(), joint.edge);
+  };
+  return joint.sides.size() == 2 && is_among(mesh.data().borders) && !is_among(mesh.data().hinges);
+}
+
 }  // namespace voile::mesh

@@ -14,6 +14,7 @@
 #include "energy/sheet.hpp"
 #include "geometry/hanging_vertices.hpp"
 #include "geometry/tie_crossing.hpp"
+#include "mesh/border.hpp"
 #include "mesh/coincident.hpp"
 #include "mesh/panels.hpp"
 #include "mesh/quality.hpp"
@@ -252,14 +253,11 @@ namespace {
 /// What the joints of sheets are; empty if there are none.
 std::string joint_note(const mesh::SurfaceMesh& mesh) {
   if (mesh.joints().empty()) return "";
-  const auto is_among = [](const std::vector<mesh::Segment>& edges, const mesh::Joint& j) {
-    return std::binary_search(edges.begin(), edges.end(), j.edge);
-  };
   std::map<Index, int> sides;
   std::ptrdiff_t hinges = 0, others = 0;
   for (const mesh::Joint& j : mesh.joints()) {
-    const bool is_hinge = is_among(mesh.data().hinges, j);
-    if (!is_hinge && j.sides.size() == 2 && is_among(mesh.data().borders, j)) continue;
+    if (mesh::is_clamped_border(mesh, j)) continue;
+    const bool is_hinge = std::binary_search(mesh.data().hinges.begin(), mesh.data().hinges.end(), j.edge);
     ++(is_hinge ? hinges : others);
     for (const mesh::TriangleSide& s : j.sides) ++sides[s.triangle];
   }
