@@ -30,14 +30,15 @@ inline double fraction_by_turn(const system::Model& model, double from, double t
   return fraction;
 }
 
-/// The same, in which no obstacle goes farther than a step of the sheet may. Not collective.
+/// The same, in which no obstacle goes farther than a step of the sheet may, nor leaves it behind. Not collective.
 inline double fraction_by_obstacles(const system::Model& model, double from, double to) {
   const double cell = std::sqrt(model.discretisation().mean_area());
   double fraction = 1.0;
   for (int k = 0; k < 60; ++k) {
-    const double way = model.contact()->scene().way_of_obstacles(from, from + fraction * (to - from));
-    if (way <= 1.0001 * trusted_cells * cell) break;
-    fraction *= std::clamp(trusted_cells * cell / way, 0.1, 0.9);
+    const double way =
+        model.contact()->scene().way_of_obstacles(from, from + fraction * (to - from), cell, trusted_cells);
+    if (way <= 1.0001) break;
+    fraction *= std::clamp(1.0 / way, 0.1, 0.9);
   }
   return fraction;
 }

@@ -342,9 +342,11 @@ bool TimeIntegration::Impl::is_last(Vec y) {
 
 // ---- step size -----------------------------------------------------------------------------------------------------
 
-/// The size of a step from time t, or what of it turns clamps by little.
-double TimeIntegration::Impl::by_turn(double t, double h) const {
-  return std::max(std::min(h, options.min_step), h * fraction_by_turn(model, t, t + h, false));
+/// The size of a step from time t, or what of it turns clamps and moves obstacles by little.
+double TimeIntegration::Impl::by_motions(double t, double h) const {
+  double fraction = fraction_by_turn(model, t, t + h, false);
+  if (model.contact()) fraction = std::min(fraction, fraction_by_obstacles(model, t, t + h));
+  return std::max(std::min(h, options.min_step), h * fraction);
 }
 
 double TimeIntegration::Impl::next_step(double h, PetscBool* accept, PetscReal* error) {
@@ -371,7 +373,7 @@ double TimeIntegration::Impl::next_step(double h, PetscBool* accept, PetscReal* 
   wanted = only_cut ? std::max(next, wanted) : next;
   double t = 0.0;
   VOILE_PETSC(TSGetTime(ts, &t));
-  return by_turn(t + h, wanted);
+  return by_motions(t + h, wanted);
 }
 
 PetscErrorCode TimeIntegration::Impl::choose(TSAdapt adapt, TS, PetscReal h, PetscInt* scheme, PetscReal* next,

@@ -88,7 +88,7 @@ void TimeIntegration::Impl::create(const system::State& from) {
   VOILE_PETSC(TSSetStepNumber(ts, from.step));
   VOILE_PETSC(TSSetMaxTime(ts, until()));
   VOILE_PETSC(TSSetMaxSteps(ts, PETSC_MAX_INT));
-  VOILE_PETSC(TSSetTimeStep(ts, by_turn(from.time, from.next_step > 0.0 ? from.next_step : options.step)));
+  VOILE_PETSC(TSSetTimeStep(ts, by_motions(from.time, from.next_step > 0.0 ? from.next_step : options.step)));
   VOILE_PETSC(TSSetExactFinalTime(ts, TS_EXACTFINALTIME_MATCHSTEP));
   VOILE_PETSC(TSSetMaxSNESFailures(ts, -1));
   VOILE_PETSC(TSSetMaxStepRejections(ts, 20));
@@ -359,7 +359,7 @@ void TimeIntegration::end_at(const system::State& state, double time) {
   n.options.until = time;
   VOILE_PETSC(TSSetMaxTime(n.ts, n.until()));
   VOILE_PETSC(TSSetTime(n.ts, state.time));
-  n.meet_end(state.time, n.wanted > 0.0 ? n.by_turn(state.time, n.wanted) : n.first_step);
+  n.meet_end(state.time, n.wanted > 0.0 ? n.by_motions(state.time, n.wanted) : n.first_step);
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
   VOILE_PETSC(TSGetConvergedReason(n.ts, &reason));
   if (reason == TS_CONVERGED_TIME && state.time < n.until())

@@ -111,7 +111,7 @@ struct TimeIntegration::Impl {
   void confirm(SNES snes, Vec x1);
   [[nodiscard]] SNESConvergedReason judge_iterate(SNES snes, PetscInt it, double increment, double norm);
   [[nodiscard]] SNESConvergedReason judge(SNES snes, PetscInt it, double increment, double norm);
-  [[nodiscard]] double by_turn(double t, double h) const;
+  [[nodiscard]] double by_motions(double t, double h) const;
   [[nodiscard]] double next_step(double h, PetscBool* accept, PetscReal* error);
   [[nodiscard]] double until() const { return std::min(options.end_time, options.until); }
   void accept(system::State& state, StepResult& r);

@@ -15,6 +15,17 @@ namespace voile::system {
 
 namespace {
 
+/// Of an obstacle with its points at these places [m].
+double smallest_extent(const contact::Obstacle& o, const std::vector<Vec3>& places) {
+  if (o.shape != contact::Obstacle::Shape::mesh) return 2.0 * o.radius;
+  Vec3 low = places.front(), high = low;
+  for (const Vec3& x : places) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  return (high - low).minCoeff();
+}
+
 using contact::ContactSet;
 
 /// Of the triangles that may be too low for the activation distance: a few slivers are exempt, a whole mesh is not.
@@ -170,19 +181,26 @@ void ContactScene::place_obstacles(double time, std::vector<Vec3>& x, std::vecto
   obstacles_->place(held_.value_or(time), x, planes);
 }
 
-double ContactScene::way_of_obstacles(double before, double now) const {
+double ContactScene::way_of_obstacles(double before, double now, double cell, double cells) const {
   std::vector<Vec3> from = points_.now, to = from;
   std::vector<contact::Plane> planes = set_->planes(), then = planes;
   place_obstacles(before, from, then);
   place_obstacles(now, to, planes);
-  double way = 0.0;
-  for (std::size_t p = static_cast<std::size_t>(set_->surface().sheet_points); p < to.size(); ++p)
-    way = std::max(way, (to[p] - from[p]).norm());
+  double most = 0.0;
+  for (std::size_t k = 0; k < obstacles_->size(); ++k) {
+    const std::vector<Vec3> a = obstacles_->points(k, from), b = obstacles_->points(k, to);
+    double way = 0.0;
+    for (std::size_t p = 0; p < a.size(); ++p) way = std::max(way, (b[p] - a[p]).norm());
+    if (way > 0.0)
+      most = std::max(most, way / std::min(cells * cell, std::max(cell, smallest_extent((*obstacles_)[k], a))));
+  }
   const mesh::SurfaceMesh& sheet = dofs_->mesh();
   for (std::size_t k = 0; k < planes.size(); ++k)
-    for (const Vec3& x : sheet.positions())
-      way = std::max(way, std::abs((planes[k].normal - then[k].normal).dot(x) - (planes[k].level - then[k].level)));
-  return way;
+    for (const Vec3& x : sheet.positions()) {
+      const double way = (planes[k].normal - then[k].normal).dot(x) - (planes[k].level - then[k].level);
+      most = std::max(most, std::abs(way) / (cells * cell));
+    }
+  return most;
 }
 
 void ContactScene::begin_step() {

@@ -58,9 +58,9 @@ class ContactScene {
   void hold_obstacles(bool still);
   /// Puts the obstacles' points in x, and the planes, where they are at a time, or where they are held. Not collective.
   void place_obstacles(double time, std::vector<Vec3>& x, std::vector<contact::Plane>& planes) const;
-  /// How far a point of an obstacle moves at most between two times; of a half-space, one above or below the sheet. Not
-  /// collective. [m]
-  [[nodiscard]] double way_of_obstacles(double before, double now) const;
+  /// How far obstacles move between two times, over what each may in a step: its smallest extent, so that the sheet is not behind it,
+  /// between one cell of this size [m] and so many. Of a half-space, a point above or below the sheet. Not collective.
+  [[nodiscard]] double way_of_obstacles(double before, double now, double cell, double cells) const;
 
   /// Positions of own vertices and of those of other ranks that are seen, of which there may be others after cover().
   /// Collective.
