@@ -18,6 +18,8 @@ struct Stage {
   system::ModelInput input;
   std::vector<char> frozen;                ///< per support: in this stage it no longer moves
   std::vector<char> in_time{};             ///< per support: it moves in time, or has done so before
+  std::vector<char> unmoved{};             ///< per support: only stages of modes have had it, which have not moved it
+  std::vector<char> unmoved_pairs{};       ///< likewise per pair of periodic edges
   std::vector<char> rigid_in_time{};       ///< likewise per rigid group
   std::vector<std::string> sewn_before{};  ///< seams that earlier stages have closed
   std::optional<double> held_at{};  ///< load factor of the path before at which something is held; absent: nothing is

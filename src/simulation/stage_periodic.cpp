@@ -75,10 +75,12 @@ void hold_over_periodics(const Stage* before, double factor, Stage& now) {
   if (before) sort_pairs_as_before(*before, now);
   for (std::size_t i = 0; i < now.c.periodics.size(); ++i) {
     PeriodicSection& s = now.c.periodics[i];
-    if (!before || now.c.stage.periodics[i] != before->c.stage.periodics[i]) {
+    const bool goes_on = before && now.c.stage.periodics[i] == before->c.stage.periodics[i];
+    if (!goes_on || before->unmoved_pairs[i]) {
       require_path(now, s);
       continue;
     }
+    now.unmoved_pairs[i] = 0;
     const PeriodicPair& was = before->c.periodics[i].pair;
     s.pair.motion = nullptr;
     s.pair.difference.setZero();

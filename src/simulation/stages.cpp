@@ -105,6 +105,19 @@ std::string stays_put(const char* section, const std::string& group, const Stage
       section, group.empty() ? "of the whole sheet" : "group '" + group + "'", now.c.stage.name, before.c.stage.name);
 }
 
+/// What a stage has scaled its loads by at its end.
+double factor_at_end(const input::Case& c) {
+  if (c.analysis == input::Analysis::dynamic && c.dynamics.load_history)
+    return c.dynamics.load_history(c.time.options.end_time);
+  return c.analysis == input::Analysis::dynamic || c.analysis == input::Analysis::drape ? 1.0
+                                                                                        : c.steps.final_load_factor;
+}
+
+/// Whether a stage leaves what it names where it is.
+bool moves_nothing(const input::Case& c) {
+  return c.finds_modes() && factor_at_end(c) == 0.0;
+}
+
 /// Returns what a user should know of supports that stay.
 std::vector<std::string> hold_over_supports(const Stage& before, Stage& now) {
   std::vector<std::string> notes;
@@ -114,6 +127,8 @@ std::vector<std::string> hold_over_supports(const Stage& before, Stage& now) {
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     Support& s = now.c.supports[i];
     const std::size_t was = place_of(numbers[i], before.c.stage.supports);
+    if (was != npos && before.unmoved[was]) continue;
+    now.unmoved[i] = now.unmoved[i] && was == npos ? 1 : 0;
     if (was != npos) {
       const bool moved = before.in_time[was] != 0;
       now.in_time[i] =
@@ -139,14 +154,6 @@ std::vector<std::string> hold_over_supports(const Stage& before, Stage& now) {
     }
   }
   return notes;
-}
-
-/// What a stage has scaled its loads by at its end.
-double factor_at_end(const input::Case& c) {
-  if (c.analysis == input::Analysis::dynamic && c.dynamics.load_history)
-    return c.dynamics.load_history(c.time.options.end_time);
-  return c.analysis == input::Analysis::dynamic || c.analysis == input::Analysis::drape ? 1.0
-                                                                                        : c.steps.final_load_factor;
 }
 
 /// A motion or a drape takes its loads in full: after a path that ends elsewhere that is a sudden load. Empty if there is none.
@@ -271,8 +278,12 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
     Stage s{one, options, {}, std::vector<char>(one.supports.size(), 0)};
     s.options.output = folder;
     s.in_time.assign(one.supports.size(), one.analysis == input::Analysis::dynamic ? 1 : 0);
+    s.unmoved.assign(one.supports.size(), 0);
+    s.unmoved_pairs.assign(one.periodics.size(), 0);
     name_modes(options, s.c);
     take_options(options.comm, s.c);
+    for (std::vector<char>* all : {&s.unmoved, &s.unmoved_pairs})
+      std::fill(all->begin(), all->end(), moves_nothing(s.c));
     if (one.stage.continues()) {
       std::vector<std::string> notes = hold_over_supports(stages.back(), s);
       if (const std::string text = sudden_loads(stages.back().c, s.c); !text.empty()) notes.push_back(text);

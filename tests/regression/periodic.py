@@ -280,6 +280,9 @@ def periodic_stages(report):
             report.percent(f / e, 1e-6, f"frequency {f:.5g} Hz")
     again = run(OUT / "periodic_stages.toml", run_of.folder, 1, ["--from", "shear"])
     report.near(again.stage("shear").history["along_force_y"][-1], want["along_force_y"][-1], 1e-7 * abs(want["along_force_x"][-1]), "--from goes on from there")
+    after = [{"name": "before", "analysis": "modal", "eigen": {"modes": 4}}, {"name": "pull", "analysis": "static"}]
+    h = solve("periodic_stages_modes", case | {"periodic": [free, along | {"difference": [strain, 0, 0]}], "stage": after}).stage("pull").history
+    report.near(h["along_x"][-1], strain, 1e-12, "what a stage of modes has not moved, the next one moves")
     # A force stays while a later one grows, and what is held then is held where it has come to.
     force, more = 3000.0, 1000.0
     pulled = [free | {"stages": ["pull", "hold"]}, along | {"difference": ["free", 0, 0], "force": [force, 0, 0], "stages": ["pull"]},

@@ -228,6 +228,21 @@ def stages_modal(report):
 
 
 @test
+def moved_after_modes(report):
+    """What a support or the edges of a cell are to move by, and a stage of modes has not, the next stage moves, and later ones hold."""
+    eigen, stages = {"modes": 2}, [("ring", "modal"), ("pull", "static"), ("hold", "static"), ("again", "modal")]
+    case = staged([stage(name, analysis) for name, analysis in stages], eigen=eigen, load=[])
+    tip = {"name": "tip", "type": "displacement", "group": "tip", "components": ["x"]}
+    case |= {"probe": [tip], "support": [*case["support"], {"type": "displacement", "group": "tip", "components": ["x"], "value": [1e-3, 0, 0]}]}
+    for how, change in (("value", {}), ("motion", {"value": [0, 0, 0], "motion": ["1e-3*t", "0", "0"]})):
+        case["support"][-1] |= change
+        whole = solve(f"moved_after_modes_{how}", case)
+        for name in ("pull", "hold"):
+            report.near(whole.stage(name).history["tip_x"][-1], 1e-3, 1e-12, f"{how}: the tip after '{name}'")
+        report.check(whole.stage("again").summary["eigenvalues"][0] > 1.01 * whole.stage("ring").summary["eigenvalues"][0], "the strip is taut then")
+
+
+@test
 def modes_on_a_path(report):
     """[eigen] load_factor leads a later stage, and a restart, to the state that it leads an unbroken run to."""
     load = [{"type": "line", "group": "tip", "vector": [2000.0, 0, 0]}, {"type": "line", "group": "tip", "vector": [3000.0, 0, 0]}]
