@@ -12,8 +12,11 @@ namespace voile::solve {
 namespace {
 
 constexpr int locating_steps = 12;
+/// Of a step with several critical points: shorter ones have points that coincide.
+constexpr double shortest_crowd = 0.05;
 /// Of a step that has led off the path: shorter ones that fail end the search for it.
 constexpr double shortest_doubt = 0.01, shortest_corner = 1e-3;
+constexpr double crept = 0.1;  ///< of the largest speed of the probe, below which it is about to turn back
 constexpr const char* singular = "the tangent is singular";
 constexpr double located = 1e-5;  ///< critical eigenvalue, relative to those on both sides, at which a point is found
 
@@ -185,6 +188,8 @@ void PathFollower::Impl::accept(Vec a, double lambda, const Tangent& after) {
   VOILE_PETSC(VecCopy(increment, previous));
   VOILE_PETSC(VecCopy(a, accepted));
   VOILE_PETSC(VecCopy(load_solution, tangent_solution));
+  if (options.control == Control::displacement) longest = std::max(longest, std::abs(probed(increment)));
+  fastest = std::max(fastest, probe_speed());
   factor = lambda;
   tangent = after;
   force = std::max(force, model.force_scale());
@@ -205,6 +210,11 @@ PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda) 
     t.newton.reason = "the state found lies off the path";
   }
   if (t.newton.converged && t.after.good && !branching && !jumping) t.critical = passed(t.after, lambda);
+  if (t.critical && is_doubtful(*t.critical, t.after)) {
+    t.critical.reset();
+    t.newton.converged = false;
+    t.newton.reason = "critical points within the step are not told apart";
+  }
   t.found = t.critical && (options.at_critical_point == AtCriticalPoint::stop ||
                            (may_branch && t.critical->kind != CriticalPoint::Kind::limit));
   if (t.found) {
@@ -221,6 +231,15 @@ PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda) 
   return t;
 }
 
+/// Whether a step passes several critical points, or a bifurcation whose mode is not followed: it may have gone over to another branch.
+/// Not close to where the first such step began: there several coincide.
+bool PathFollower::Impl::is_doubtful(const CriticalPoint& point, const Tangent& after) {
+  const bool several = std::abs(after.negative_pivots - tangent.negative_pivots) > 1;
+  if (!several && !point.between) return false;
+  crowded = std::max(crowded, length);
+  return length >= shortest_crowd * crowded;
+}
+
 /// One step, or a failed attempt at it.
 StepResult PathFollower::Impl::advance(system::State& state) {
   StepResult r;
@@ -234,11 +253,19 @@ StepResult PathFollower::Impl::advance(system::State& state) {
     halve(state, r);
     return r;
   }
+  r.reason = ran_away(state.u, lambda);
+  if (!r.reason.empty()) {
+    r.outcome = Outcome::failed;
+    VOILE_PETSC(VecCopy(accepted, state.u));
+    model.conditions().set_load_factor(factor);
+    return r;
+  }
   if (t.found && may_branch) together = std::abs(t.after.negative_pivots - tangent.negative_pivots);
   if (!state.previous) state.previous = model.dofs().create_vector();
   VOILE_PETSC(VecCopy(accepted, state.previous));
   accept(state.u, lambda, t.after);
   jumping = false;
+  crowded = 0.0;
   lengthened = 0;
   if (options.control == Control::arc_length || length >= doubted) doubted = 0.0;
   model.potential().end_step(state.u);
@@ -297,8 +324,11 @@ void PathFollower::Impl::halve(system::State& state, StepResult& r) {
   const double shortest = options.control == Control::arc_length
                               ? std::max(shortest_corner * doubted, options.min_step * unit)
                               : shortest_doubt * doubted;
-  const bool searched = doubted > 0.0 && 0.5 * length < shortest;
-  const bool last = !searched && 0.5 * length < options.min_step * unit;
+  const bool ends = 0.5 * length < options.min_step * unit;
+  // Steps that creep to where the probe turns back do not get beyond.
+  if (ends && !jumping && probe_speed() < crept * fastest) doubted = longest;
+  const bool searched = doubted > 0.0 && (0.5 * length < shortest || ends) && !jumping;
+  const bool last = !searched && ends;
   const bool round_off = r.newton.reason == singular;
   const std::string place = !last          ? ""
                             : together > 1 ? "; " + text_of_several(together)

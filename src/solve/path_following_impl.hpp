@@ -39,6 +39,9 @@ struct PathFollower::Impl {
   double doubted = 0.0;  ///< length of the step that has first led off the path; 0: none since it was as long again
   bool jumping = false;  ///< to another path, as this one turns back
   long together = 0;     ///< modes at the point where the path has branched
+  double crowded = 0.0;  ///< length of the first step from here with critical points in doubt; 0: none
+  double fastest = 0.0;  ///< largest change of the probe per length of the path so far
+  double longest = 0.0;  ///< step by displacement control that was accepted
   int lengthened = 0;    ///< how often, to pass a singular tangent; -1: in vain, since the last step
 
   /// What the tangent at an equilibrium tells.
@@ -123,6 +126,9 @@ struct PathFollower::Impl {
   };
   [[nodiscard]] Attempt try_step(Vec a, double& lambda);
   [[nodiscard]] StepResult advance(system::State& state);
+  [[nodiscard]] double probe_speed() const;
+  [[nodiscard]] bool is_doubtful(const CriticalPoint& point, const Tangent& after);
+  [[nodiscard]] std::string ran_away(Vec a, double lambda) const;
   void jump_next();
   [[nodiscard]] bool lengthen(const StepResult& r);
   void halve(system::State& state, StepResult& r);

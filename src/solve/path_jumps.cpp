@@ -43,7 +43,7 @@ PathFollower::Impl::Bend PathFollower::Impl::bend_of(const Tangent& after) const
 
 /// After the fact: the tangents at both ends do not lead from one to the other.
 bool PathFollower::Impl::has_jumped(const Constraint& constraint, const Bend& bend) const {
-  if (constraint.kind == Control::arc_length) return !(bend.cosine >= sharpest && bend.aside <= smooth_aside);
+  if (!(bend.cosine >= sharpest && bend.aside <= smooth_aside)) return true;
   if (constraint.kind != Control::displacement) return false;
   const double half = 0.5 * (constraint.value - probed(accepted));
   VOILE_PETSC(VecCopy(increment, last_mode));
@@ -57,6 +57,24 @@ double PathFollower::Impl::straighter(const Bend& bend) const {
   if (options.control != Control::arc_length) return 2.0;
   const double turn = std::acos(bend.cosine);
   return turn > 0.5 * wanted ? wanted / turn : 2.0;
+}
+
+/// Why a path that leads to nowhere ends; empty if it does not.
+std::string PathFollower::Impl::ran_away(Vec a, double lambda) const {
+  constexpr double most = 100.0;  // of the extent
+  double largest = 0.0;
+  VOILE_PETSC(VecNorm(a, NORM_INFINITY, &largest));
+  if (largest <= most * model.dofs().mesh().extent()) return "";
+  return fmt::format(
+      "the path has run away to load factor {:.3g}, displacements are beyond {:g} times the extent of the sheet: it "
+      "has "
+      "turned back, or does not end where [steps] says; see where in history.csv",
+      lambda, most);
+}
+
+/// How far the controlled displacement changes per length of the path, at the accepted state.
+double PathFollower::Impl::probe_speed() const {
+  return options.control == Control::displacement ? std::abs(rate * probed(tangent_solution)) : 0.0;
 }
 
 /// No step shorter than the one that has first led off the path stays on it: on, as far as the path may have turned back or,

@@ -140,6 +140,15 @@ def arc_stays_on_its_path(report):
             end = solve("arc_stays_on_its_path", arch | {"steps": steps | most})
             ends.append(end.history["crown_z"][-1])
         report.near(ends[0], ends[1], 1e-8, f"{cells} cells: the crown has moved by {ends[1]:.6f} m with long and short steps")
+    # Of a shallow arch that is a little uneven two branches lie near each other.
+    for control, uneven, first in (("displacement", 1e-4, {}), ("arc_length", 1e-5, {"initial_step": 0.5})):
+        shallow = arch | {"imperfection": [{"type": "expression", "height": f"0.015*sin(pi*x)+{uneven}*sin(2*pi*x)"}],
+                          "load": [{"type": "area", "vector": [0, 0, -1000], "distribution": "sin(pi*x)"}]}
+        steps = {"control": control, "control_probe": "crown", "final_displacement": -0.013}
+        long, short = (solve("arc_stays_shallow", shallow | {"steps": steps | more}).history for more in (first, {"max_step": 0.02}))
+        report.percent(long["load_factor"][-1] / short["load_factor"][-1], 1e-6, f"{control}: the load that it ends at, {short['load_factor'][-1]:.6g}")
+        limits = [h["critical_load_factor"][h["critical"] == 1] for h in (long, short)]
+        report.check([len(x) for x in limits] == [1, 1] and abs(limits[0][0] / limits[1][0] - 1) < 0.002, f"and its limit load: {limits}")
 
 
 def cone(n, rings, radius, height):
