@@ -68,9 +68,13 @@ RenderCommand::RenderCommand(CLI::App& cli) : sub_(cli.add_subcommand("render", 
   results_.declare(*sub_, true);
   sub_->add_option("--steps", steps_, "all, last, N, FIRST:LAST or FIRST:LAST:STRIDE [last; all for an animation]");
   sub_->add_option("--output", output_, "PNG to write; several get numbers [picture.png beside the results]");
-  sub_->add_option("--animation", animation_, "Animation to write instead: its name ends in .webp, .gif or .mp4");
-  sub_->add_option("--rate", rate_, "Frames per second [25]");
-  sub_->add_option("--frames", frames_, "Frames of one swing of a mode [32]")->check(CLI::Range(2, 10000));
+  CLI::Option* animation =
+      sub_->add_option("--animation", animation_, "Animation to write instead: its name ends in .webp, .gif or .mp4");
+  sub_->add_option("--rate", rate_, "Frames per second [25]")->needs(animation);
+  sub_->add_option("--frames", frames_, "Frames of one swing of a mode [32]")
+      ->check(CLI::Range(2, 10000))
+      ->needs(animation)
+      ->needs("--mode");
   sub_->add_option("--size", size_, "Pixels [1280x960]");
   sub_->add_option("--quality", quality_, "draft or final [final]")->check(CLI::IsMember({"draft", "final"}));
   sub_->add_option("--threads", show_.threads, "Threads [one per core]")->check(CLI::Range(0, 1024));

@@ -34,7 +34,7 @@ def pictures_of_mistakes(report):
                         (("--steps", "5:1", *png), "must not be larger"), (("--steps", "1:5:0", *png), "names no steps"), (("--size", "-64x48", *png), "--size"),
                         (("--scale", "nan", *png), "--scale"), (("--creases", "nan", *png), "--creases"), (("--eye", "1,2,3", "--target", "1,2,3", *png), "--eye"),
                         (("--output", OUT / "x.jpg"), ".png"), (("--output", OUT), "directory"), (("--output", "/dev/full"), "No space"),
-                        (("--animation", OUT / "x.webp", "--steps", "100:200"), "there is no step 100:200"), (("--animation", OUT / "x.gif", "--rate", "nan"), "--rate"),
+                        (("--animation", OUT / "x.webp", "--steps", "100:200"), "there is no step 100:200"), (("--animation", OUT / "x.gif", "--rate", "nan"), "--rate"), (("--frames", "3"), "--frames requires"), (("--rate", "10"), "--rate requires"),
                         (("--cloth", "satin", *png), "plain, twill or knit"), (("--print", "checks:3", *png), "mm, cm or m"),
                         (("--print", "checks:3mm", "--panels", *png), "excludes")):
         refused(report, ("render", folder, *words), part)
