@@ -213,7 +213,7 @@ PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda) 
   if (t.critical && is_doubtful(*t.critical, t.after)) {
     t.critical.reset();
     t.newton.converged = false;
-    t.newton.reason = "critical points within the step are not told apart";
+    t.newton.reason = "critical points within the step are not distinguished";
   }
   t.found = t.critical && (options.at_critical_point == AtCriticalPoint::stop ||
                            (may_branch && t.critical->kind != CriticalPoint::Kind::limit));

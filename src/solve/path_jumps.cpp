@@ -68,7 +68,7 @@ std::string PathFollower::Impl::ran_away(Vec a, double lambda) const {
   return fmt::format(
       "the path has run away to load factor {:.3g}, displacements are beyond {:g} times the extent of the sheet: it "
       "has "
-      "turned back, or does not end where [steps] says; see where in history.csv",
+      "turned back, or missed the end that [steps] gives; history.csv shows where",
       lambda, most);
 }
 
