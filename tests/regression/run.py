@@ -88,7 +88,8 @@ garment_in_the_way hinge_fold chains element_types clamps_turn_far remesh_taken_
 nastran_silent garment_sections heated_ranks_and_restart joint_moebius sheet_formats contact_starts full_terminal deck_loads killed_motion
 unloaded_stages gas_mistakes harmonic_fields_mistakes rubber_motion compared_modes rubber_states start_shapes garment_dress
 modes starts signals corrected_membrane periodic_motion exports ledger periodic_strip restart_in_contact contact_frames pictures
-remesh_path folded_at_rest periodic_modes tutorial_roof periodic_cell unresolved_modes rigid_roll periodic_film""".split()
+remesh_path folded_at_rest periodic_modes tutorial_roof periodic_cell unresolved_modes rigid_roll periodic_film arch_between rigid_stages
+periodic_stages arc_stays_on_its_path""".split()
 
 
 def in_turn(names, day):
