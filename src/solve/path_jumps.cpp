@@ -67,8 +67,7 @@ std::string PathFollower::Impl::ran_away(Vec a, double lambda) const {
   if (largest <= most * model.dofs().mesh().extent()) return "";
   return fmt::format(
       "the path has run away to load factor {:.3g}, displacements are beyond {:g} times the extent of the sheet: it "
-      "has "
-      "turned back, or missed the end that [steps] gives; history.csv shows where",
+      "has turned back, or missed the end that [steps] gives; history.csv shows where",
       lambda, most);
 }
 

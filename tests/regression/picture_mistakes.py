@@ -59,6 +59,7 @@ def exports_of_mistakes(report):
                         (("--y", "0*step", "--log", "y", "--output", OUT / "x.svg"), "positive numbers"),
                         (("--y", "sqrt(-1-time)", "--output", OUT / "x.svg"), "finite in no row")):
         refused(report, ("plot", folder, *words), part)
+    refused(report, ("plot", folder, "--y", "step,time"), "step/time")
     refused(report, ("plot", "--output", OUT / "x.svg"), "--curve")
     draw("render", folder, "--size", "64x64", "--output", OUT / "x.png")
     for words, part in (((OUT / "nowhere.png", "--output", OUT / "x.png"), "no PNG"), ((OUT, "--output", OUT / "x.png"), "no PNG"),

@@ -151,6 +151,24 @@ def arc_stays_on_its_path(report):
         report.check([len(x) for x in limits] == [1, 1] and abs(limits[0][0] / limits[1][0] - 1) < 0.002, f"and its limit load: {limits}")
 
 
+@test
+def paths_without_end(report):
+    """A path that leads away from the structure ends with a reason; one whose probe turns back while steps creep goes on from there, and reports it."""
+    arch = {"mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 1.0, "width": 0.1, "nx": 20, "ny": 4}},
+            "material": [{"type": "isotropic", "young": 1e9, "poisson": 0.0, "thickness": 0.01}], "support": [{"type": "hinged", "group": ["clamp", "tip"]}],
+            "probe": [{"name": "crown", "type": "displacement", "point": [0.5, 0.05, 0.05], "components": ["z"]}], "output": {"every": 1000}}
+    pulled = arch | {"load": [{"type": "area", "vector": [0, 0, 1e3]}],
+                     "steps": {"control": "arc_length", "initial_step": 1.0, "max_steps": 400, "final_displacement": -0.05, "control_probe": "crown"}}
+    done = run(write_case(pulled, OUT / "path_runs_away.toml"), OUT / "path_runs_away", 1, ["--overwrite"])
+    report.check(done.code == 3 and "has run away" in done.text, f"code {done.code}: {done.text.strip()[-200:]}")
+    creeping = arch | {"imperfection": [{"type": "expression", "height": "0.2*x*(1-x)"}],
+                       "load": [{"type": "area", "vector": [0, 0, -4e4], "distribution": "abs(x-0.5)<0.026 ? 1 : 0"}],
+                       "steps": {"control": "displacement", "control_probe": "crown", "final_displacement": -0.1, "max_step": 0.02}}
+    done = run(write_case(creeping, OUT / "path_creeps.toml"), OUT / "path_creeps", 1, ["--overwrite"])
+    report.check(done.code == 0 and "turns back" in done.text, f"creeping: code {done.code}")
+    report.percent(done.history["load_factor"][-1] / -0.2555074, 1e-6, "and ends where long steps do")
+
+
 def cone(n, rings, radius, height):
     """An OBJ file of a cone with its tip up and n cells around."""
     points = [(0.0, 0.0, height)] + [(radius * j / rings * np.cos(2 * np.pi * i / n), radius * j / rings * np.sin(2 * np.pi * i / n), height * (1 - j / rings))
