@@ -12,8 +12,7 @@
 #include "base/mpi.hpp"
 #include "excitation.hpp"
 #include "harmonic.hpp"
-#include "record/discretisation_error.hpp"
-#include "record/linear_values.hpp"
+#include "record/mode_error.hpp"
 #include "record/response.hpp"
 #include "record/validity.hpp"
 #include "results/results.hpp"
@@ -24,23 +23,6 @@
 namespace voile::simulation {
 
 namespace {
-
-/// Relative error of an eigenvalue by recovery: the energy by which the stress resultants of its mode differ from smooth ones,
-/// over the energy that the eigenvalue is a quotient of; on rank 0. Collective.
-double error_of(system::Model& model, Vec a, const solve::Mode& mode, bool vibration,
-                record::DiscretisationError& recovery) {
-  record::LinearValues change(model, mode.shape, a);
-  const system::TriangleFields fields = change.triangle_changes();
-  const double whole = 0.5 * change.stiffness();
-  const record::DiscretisationError::Densities error = recovery.of(model, fields, record::FieldsOf::change);
-  if (mpi::rank(model.dofs().comm()) != 0) return 0.0;
-  const energy::Sheet& sheet = model.discretisation().sheet();
-  double sum = 0.0;
-  for (std::size_t t = 0; t < error.membrane.size(); ++t)
-    sum += sheet.mesh().area(static_cast<Index>(t)) * (error.membrane[t] + error.bending[t]);
-  const double energy = vibration ? whole : record::stored_energy(sheet, fields, record::FieldsOf::change);
-  return energy > 0.0 ? sum / energy : std::nan("");
-}
 
 void warn_of_errors(const input::Case& c, const record::Summary& s) {
   const bool vibration = c.vibrates();
@@ -188,10 +170,11 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
     fmt::print("{:>5} {:>16} {:>12} {:>14}\n", "mode", vibration ? "frequency [Hz]" : "load factor", "residual",
                "est. error [%]");
   for (const solve::Mode& mode : result.modes) summary.eigen.push_back(mode.value);
-  record::DiscretisationError recovery;
+  record::ModeErrors errors =
+      vibration ? record::ModeErrors(model, a, c.eigen.mass) : record::ModeErrors(model, a, result.response);
   const std::vector<char> rigid = rigid_modes(c, model, result.modes);
   for (std::size_t i = 0; i < rigid.size(); ++i) {
-    double error = error_of(model, a, result.modes[i], vibration, recovery);
+    double error = errors.of(result.modes[i]);
     if (vibration) error *= rigid[i] != 0 ? 0.0 : 0.5;  // of the square of the frequency
     summary.mode_errors.push_back(error);
   }

@@ -384,6 +384,7 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   if (!result.modes.empty())
     result.nonlinearity = nonlinearity(response, linear, 1.0 / result.modes.front().eigenvalue);
   for (Mode& mode : result.modes) mode.value = model.conditions().load_factor() + 1.0 / mode.eigenvalue;
+  result.response = std::move(load_solution);
   return result;
 }
 

@@ -45,6 +45,7 @@ struct EigenResult {
   long lower = 0;             ///< modes below the first that -eps_target leaves out
   long negative = 0;          ///< modes of vibration that grow: the equilibrium is unstable
   double nonlinearity = 0.0;  ///< of the response to the load up to the first mode of buckling, by its first correction
+  petsc::VecHandle response;  ///< of buckling: what a load factor of 1 adds to the unknowns, to first order; else null
 };
 
 /// M, with zero rows where the displacement is fixed. [kg]

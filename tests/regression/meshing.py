@@ -338,6 +338,34 @@ def unresolved_modes(report):
 
 
 @test
+def twisted_tapes(report):
+    """A taut tape twists with 2 to 8 cells across, a flange buckles by twisting: the estimate is the error, and warns of few cells."""
+    def strip(length, width, nx, ny):
+        return {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": length, "width": width, "nx": nx, "ny": ny}}
+
+    tape = {"analysis": "modal", "material": [{"type": "isotropic", "young": 2.1e11, "poisson": 0, "thickness": 1e-4, "density": 7800, "prestress": [5000, 0], "direction": [1, 0, 0]}],
+            "support": [{"type": "hinged", "group": g} for g in ("clamp", "tip")]}
+    length, width, h = 1.0, 0.01, 1e-4
+    polar, torsion = width**3 * h / 12, 2.1e11 / 2 * width * h**3 / 3
+    exact = np.sqrt((5000 / h * polar + torsion) / (7800 * polar)) / (2 * length)
+    for mass, least, most in (("consistent", 0.8, 1.6), ("lumped", 0.4, 1.2)):
+        for cells in (2, 4, 8):
+            result = solve(f"twisted_tapes_{mass}_{cells}", tape | {"mesh": strip(length, width, 10 * cells, cells), "eigen": {"modes": 2, "mass": mass}})
+            table = np.loadtxt(result.folder / "modes.csv", delimiter=",", skiprows=1)
+            error = table[1, 1] / exact - 1
+            report.check((error > 0) == (mass == "consistent") and least < table[1, 4] / abs(error) < most,
+                         f"{mass} mass, {cells} cells: {100 * error:+.2f} %, estimated {100 * table[1, 4]:.2f} %")
+            report.check(("cells do not resolve mode(s) 2:" in result.text) == (cells == 2), "warned, or not")
+    flange = {"analysis": "buckling", "material": [{"type": "isotropic", "young": 2.1e11, "poisson": 0.3, "thickness": 1e-3, "density": 7800}],
+              "mesh": strip(0.5, 0.1, 20, 4), "load": [{"type": "line", "group": "tip", "vector": [-1e4, 0, 0]}], "eigen": {"modes": 1},
+              "support": [{"type": "displacement", "group": g, "components": c} for g, c in (("clamp", ["x", "z"]), ("tip", ["z"]), ("side_low", ["y", "z"]))]}
+    load = (0.425 + 1 / 25) * np.pi**2 * 2.1e11 * 1e-9 / (12 * 0.91) / 0.01 / 1e4  # Timoshenko & Gere, Theory of Elastic Stability (1961), 9.4
+    result = solve("twisted_flange", flange)
+    error, estimate = result.summary["eigenvalues"][0] / load - 1, result.summary["eigenvalue_errors"][0]
+    report.check(-0.05 < error < -0.02 and 0.8 < estimate / -error < 1.8, f"flange, 4 cells across: {100 * error:+.2f} %, estimated {100 * estimate:.2f} %")
+
+
+@test
 def unresolved_on_the_way(report):
     """A shallow roof on 8 x 8 cells: its bending is less resolved at the limit load than at the end, and the warning says where."""
     case = variant(load_case(ROOT / "runs" / "roof_isotropic_6.35" / "case.toml"), {"mesh.parameters.n_axial": 8, "mesh.parameters.n_circ": 8})
