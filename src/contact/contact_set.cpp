@@ -18,6 +18,17 @@ Matrix positive_part(const Matrix& h) {
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
 }
 
+/// Of the points of the sheet, of any length.
+std::vector<Vec3> sheet_normals(const Surface& s, const std::vector<Vec3>& x) {
+  std::vector<Vec3> normals(static_cast<std::size_t>(s.sheet_points), Vec3::Zero());
+  for (Index t = 0; t < s.sheet_faces; ++t) {
+    const auto& p = s.faces[t].points;
+    const Vec3 normal = (x[p[1]] - x[p[0]]).cross(x[p[2]] - x[p[0]]);
+    for (const Index i : p) normals[i] += normal;
+  }
+  return normals;
+}
+
 }  // namespace
 
 ContactSet::ContactSet(Surface surface, std::vector<Plane> planes, ContactOptions options, std::vector<char> owned)
@@ -154,12 +165,15 @@ double ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f
   Near n;
   Vec12 g;
   double squares = 0.0;
+  const bool on_face = (part & both) == 0;
+  const std::vector<Vec3> upwards = on_face ? sheet_normals(*surface_, x) : std::vector<Vec3>();
   const auto add = [&](Index p, const Vec3& force) {
     if (p == no_index || !surface_->is_sheet(p)) return;
+    if (on_face && (force.dot(upwards[p]) < 0.0) != (part == lower_face)) return;
     f[p] += force;
     if (candidates_.owned()[p]) squares += force.squaredNorm();
   };
-  if (part & normal) {
+  if ((part & normal) != 0 || on_face) {
     candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
       const double d = reach(pair);
       if (!near(pair, x, d, n)) return;

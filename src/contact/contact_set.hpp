@@ -87,7 +87,8 @@ class ContactSet {
   /// The same up to any `limit`, over pairs found anew; positions of all points. [m]
   [[nodiscard]] std::vector<double> gaps_within(const std::vector<Vec3>& x, double limit) const;
 
-  enum Part { normal = 1, friction = 2, both = 3 };
+  /// The last two are the normal forces on one face of the sheet: where it is pressed from both sides, they cancel.
+  enum Part { normal = 1, friction = 2, both = 3, lower_face = 4, upper_face = 8 };
   /// Sum over the pairs this rank counts; infinite if one has no gap. [J]
   [[nodiscard]] double energy(const std::vector<Vec3>& x, Part part = both) const;
   /// What friction takes, sum of force times slip over the pairs this rank counts. [J]

@@ -90,6 +90,25 @@ def contact_forces(report):
 
 
 @test
+def pressed_between(report):
+    """A sheet between a floor and a lid that comes down: its contact pressure is that of either, though both forces cancel."""
+    case = {
+        "analysis": "static", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.1, "n": 4}},
+        "material": [{"type": "isotropic", "young": 1e7, "poisson": 0.3, "thickness": 1e-3, "density": 500}], "contact": {"distance": 1e-3},
+        "support": [{"type": "displacement", "group": "plate", "components": ["x", "y"]}],
+        "obstacle": [{"name": "floor", "type": "plane", "normal": [0, 0, 1], "point": [0, 0, -0.9e-3]},
+                     {"name": "lid", "type": "plane", "normal": [0, 0, -1], "point": [0, 0, 0.9e-3], "motion": ["0", "0", "-0.5e-3 * t"]}],
+        "steps": {"initial_step": 0.5}, "probe": [{"name": name, "type": "contact", "obstacle": name} for name in ("floor", "lid")],
+    }
+    for ranks in (1, 2):
+        surface = Surface(result := solve(f"pressed_between_{ranks}", case, ranks))
+        pressure, force = surface.fields["contact_pressure"].ravel(), abs(result.history["floor_z"][-1])
+        report.percent(force / abs(result.history["lid_z"][-1]), 1e-6, f"{ranks} rank(s): both press alike, by {force:.3g} N")
+        report.below(np.abs(surface.fields["contact_force"]).max() / force, 1e-6, "their sum at a vertex is nothing")
+        report.percent(pressure.mean() / (force / 0.01), 1e-6, "pressure, of force over area")
+
+
+@test
 def tied_sheets(report):
     """A strip cut in two and joined again by springs between the cuts carries the load of the whole one."""
     lines = ['SetFactory("Built-in");']
