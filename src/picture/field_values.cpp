@@ -71,7 +71,29 @@ std::vector<Component> components_of(const results::Field& field) {
           {"6", entry<5>}, {"7", entry<6>}, {"8", entry<7>}, {"9", entry<8>}};
 }
 
+/// From material axes into those of the threads, warp_angle beyond.
+void turn_to_threads(results::Field& strain, const mesh::MeshData& mesh, const std::vector<SheetMaterial>& materials) {
+  if (materials.empty() || strain.values.size() != 3 * mesh.triangles.size()) return;
+  const std::vector<std::size_t> of = materials_of(mesh, materials);
+  for (std::size_t t = 0; t < of.size(); ++t) {
+    const double angle = materials[of[t]].warp_angle, c = std::cos(angle), s = std::sin(angle);
+    double* e = strain.values.data() + 3 * t;
+    const double warp = c * c * e[0] + s * s * e[1] + s * c * e[2], weft = e[0] + e[1] - warp;
+    e[2] = 2.0 * s * c * (e[1] - e[0]) + (c * c - s * s) * e[2];
+    e[0] = warp;
+    e[1] = weft;
+  }
+}
+
 }  // namespace
+
+FieldValues field_values(const Recording& recording, const Moment& moment, const FieldChoice& choice) {
+  const mesh::MeshData& mesh = recording.mesh(moment)->data;
+  results::Field field = recording.parts()[moment.part].run.field(*moment.step, choice.name, mesh);
+  if (field.name == "membrane_strain" && (choice.component == "warp" || choice.component == "weft"))
+    turn_to_threads(field, mesh, recording.materials());
+  return field_values(field, choice.component);
+}
 
 FieldChoice parse_field(const std::string& text) {
   const std::size_t colon = text.find(':');

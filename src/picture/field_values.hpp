@@ -24,6 +24,8 @@ struct FieldValues {
 /// triangles or recovered at vertices; larger, smaller and angle (or thickness) of principal values; 1 to n of others.
 [[nodiscard]] std::vector<std::string> entry_names(const results::Field& field);
 
+/// Components below of a field of a step that has it; of `membrane_strain` also warp and weft, along the threads.
+[[nodiscard]] FieldValues field_values(const Recording& recording, const Moment& moment, const FieldChoice& choice);
 /// Components: x, y, z, magnitude of vectors on vertices (default: magnitude); 11, 22, 12, larger, smaller of tensors of
 /// the surface (default: larger, in size); of principal stresses larger, smaller, angle; 1 to n of others.
 /// Throws UserError with the components there are.

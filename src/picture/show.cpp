@@ -129,7 +129,7 @@ std::optional<FieldValues> Show::values(const Moment& moment) const {
   const FieldChoice choice = parse_field(options_.field);
   const results::StoredRun& run = recording_.parts()[moment.part].run;
   if (!moment.step || !run.has_field(*moment.step, choice.name)) return std::nullopt;
-  return field_values(run.field(*moment.step, choice.name, recording_.mesh(moment)->data), choice.component);
+  return field_values(recording_, moment, choice);
 }
 
 Surface Show::sheet(const Moment& moment, const State& state) const {

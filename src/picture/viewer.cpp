@@ -90,8 +90,7 @@ struct Shown {
   [[nodiscard]] Json values(const Recording& recording, const Moment& moment) {
     const results::StoredRun& run = recording.parts()[moment.part].run;
     if (!moment.step || !run.has_field(*moment.step, choice.name)) return nullptr;
-    const FieldValues v =
-        field_values(run.field(*moment.step, choice.name, recording.mesh(moment)->data), choice.component);
+    const FieldValues v = field_values(recording, moment, choice);
     label = v.label;
     on_triangles = v.on_triangles;
     for (const float x : v.values)

@@ -129,6 +129,34 @@ TEST_CASE("pictures of all steps have one camera, whatever the mesh, and show wh
   CHECK(has(error_of([&] { (void)Show(r, r.select("all"), options); }), "larger, smaller"));
 }
 
+TEST_CASE("strains along the threads are those of the warp, wherever it lies") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(2);
+  results::StepFields strained = step(mesh, 1);
+  std::vector<double> strain;  // stretched by 4 % and sheared, in material axes
+  for (Index t = 0; t < mesh.triangle_count(); ++t) strain.insert(strain.end(), {0.0408, 0.0, 0.02});
+  strained.fields.push_back({"membrane_strain", "1", results::Centre::triangle, 3, strain});
+  {
+    results::ResultsWriter writer = begin(folder.path, mesh);
+    writer.write(strained);
+    writer.finish();
+  }
+  for (const double degrees : {0.0, 90.0, 30.0, -30.0}) {
+    std::ofstream(folder.path / "resolved_case.toml") << "[[material]]\nwarp_angle = " << degrees << "\n";
+    const Recording r(folder.path);
+    const double turn = degrees * 0.017453292519943295, c = std::cos(turn), s = std::sin(turn);
+    const auto along = [&](double x, double y) {
+      return 100.0 * (std::sqrt(1.0 + 2.0 * (0.0408 * x * x + 0.02 * x * y)) - 1.0);
+    };
+    const Moment moment = r.select("last")[0];
+    for (const float x : field_values(r, moment, {"membrane_strain", "warp"}).values)
+      CHECK(x == doctest::Approx(along(c, s)));
+    for (const float x : field_values(r, moment, {"membrane_strain", "weft"}).values)
+      CHECK(x == doctest::Approx(along(-s, c)));
+    for (const float x : field_values(r, moment, {"membrane_strain", "11"}).values) CHECK(x == doctest::Approx(0.0408));
+  }
+}
+
 TEST_CASE("numbers out of fields: magnitude, components, principal values") {
   const results::Field u{"displacement", "m", results::Centre::vertex, 3, {3, 4, 12, 0, 0, -1}};
   CHECK(field_values(u, "").values == std::vector<float>{13, 1});
