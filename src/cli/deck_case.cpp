@@ -198,7 +198,7 @@ class CaseWriter {
     const auto head = [&](const char* type) {
       out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"{}\"\n", toml_text(group), type);
     };
-    if (mirror >= 0 && !moved) {
+    if (mirror >= 0 && !moved && !lies_in_mirror(mirror, mesh_, at)) {
       head("symmetry");
       out_ += fmt::format("normal = [{}, {}, {}]\n", mirror == 0 ? 1 : 0, mirror == 1 ? 1 : 0, mirror == 2 ? 1 : 0);
       const std::string rest = components_of(s, mirror, false);
@@ -206,12 +206,12 @@ class CaseWriter {
         out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"displacement\"\n{}", toml_text(group), rest);
       return;
     }
-    if (mirror >= 0) {  // an edge that is pushed and does not turn
+    if (mirror >= 0) {  // an edge that does not turn
       head("sliding");
-      out_ += components_of(s, mirror, true) + moved_by(s);
+      out_ += components_of(s, mirror, true) + (moved ? moved_by(s) : "");
       return;
     }
-    if (moves == 3 && turns == 3 && !has_slopes(group)) {
+    if (moves == 3 && turns == 3 && !has_slopes(group, at)) {
       head("hinged");
       leave_slopes(group);
     } else if (moves == 3 && turns == 3) {
@@ -228,10 +228,10 @@ class CaseWriter {
                         group));
   }
 
-  /// Whether the slope at a group can be held: not at points. Of a set that is made here the run says so.
-  [[nodiscard]] bool has_slopes(const std::string& group) const {
+  /// Whether the slope at a group of these vertices can be held: not at points.
+  [[nodiscard]] bool has_slopes(const std::string& group, const std::vector<char>& at) const {
     const auto is = [&](const mesh::Group& g) { return g.name == group; };
-    return std::none_of(mesh_.groups.begin(), mesh_.groups.end(), is) ||
+    return (std::none_of(mesh_.groups.begin(), mesh_.groups.end(), is) && has_edge(mesh_, at)) ||
            std::any_of(mesh_.groups.begin(), mesh_.groups.end(),
                        [&](const mesh::Group& g) { return is(g) && g.dimension > 0; });
   }

@@ -107,6 +107,30 @@ int mirror_of(const Deck::Support& s, const mesh::MeshData& mesh, const std::vec
   return -1;
 }
 
+namespace {
+
+Vec3 normal_of(const mesh::MeshData& mesh, const mesh::Triangle& t) {
+  const std::vector<Vec3>& x = mesh.positions;
+  return (x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]).normalized();
+}
+
+}  // namespace
+
+bool lies_in_mirror(int mirror, const mesh::MeshData& mesh, const std::vector<char>& at) {
+  constexpr double upright = 0.1;  // sine between the sheet and the plane
+  const auto beside = [&](const mesh::Triangle& t) { return at[t[0]] != 0 || at[t[1]] != 0 || at[t[2]] != 0; };
+  const auto across = [&](const mesh::Triangle& t) {
+    return std::abs(normal_of(mesh, t)[mirror]) < 1.0 - 0.5 * upright * upright;
+  };
+  return std::none_of(mesh.triangles.begin(), mesh.triangles.end(),
+                      [&](const mesh::Triangle& t) { return beside(t) && across(t); });
+}
+
+bool has_edge(const mesh::MeshData& mesh, const std::vector<char>& at) {
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(),
+                     [&](const mesh::Triangle& t) { return at[t[0]] + at[t[1]] + at[t[2]] > 1; });
+}
+
 void divide_gravity(Deck& deck, const mesh::MeshData& mesh, std::vector<std::string>& left) {
   std::vector<Deck::Load> loads;
   for (const Deck::Load& l : deck.loads) {

@@ -19,6 +19,11 @@ void drop_turned(formats::Deck& deck, const mesh::MeshData& mesh, std::vector<st
 /// about the others are held. -1: there is none.
 [[nodiscard]] int mirror_of(const formats::Deck::Support& s, const mesh::MeshData& mesh, const std::vector<char>& at);
 
+/// Whether the sheet at the vertices `at` lies in that plane: an edge that does not turn, not one that the sheet goes on beyond.
+[[nodiscard]] bool lies_in_mirror(int mirror, const mesh::MeshData& mesh, const std::vector<char>& at);
+/// Whether two of the vertices have an edge.
+[[nodiscard]] bool has_edge(const mesh::MeshData& mesh, const std::vector<char>& at);
+
 /// Gravity on a set that is the elements of some sections becomes loads per area there. Others act on the whole sheet, and a
 /// line in `left` says so.
 void divide_gravity(formats::Deck& deck, const mesh::MeshData& mesh, std::vector<std::string>& left);

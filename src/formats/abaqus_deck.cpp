@@ -32,6 +32,8 @@ const std::map<std::string, std::set<std::string>>& known_parameters() {
       {"*DLOAD", load},
       {"*DSLOAD", load},
       {"*BUCKLE", {"EIGENSOLVER"}},
+      {"*STATIC", {"RIKS", "DIRECT"}},
+      {"*ELASTIC", {"TYPE"}},
       {"*AMPLITUDE", {"NAME", "DEFINITION", "VALUE", "TIME"}},
       {"*SHELL SECTION",
        {"ELSET", "MATERIAL", "COMPOSITE", "ORIENTATION", "SYMMETRIC", "OFFSET", "NODAL THICKNESS",

@@ -113,6 +113,8 @@ class AbaqusReader {
     section_ = Section::other;
     if ((keyword == "*NODE" || keyword == "*ELEMENT") && parameters.count("INPUT") > 0)
       fail_in_line(file_, line_, keyword + ", INPUT: lines of another file are read by *INCLUDE");
+    if (keyword.ends_with("GEN") || keyword.ends_with("COPY") || keyword == "*NFILL" || keyword == "*NMAP")
+      fail_in_line(file_, line_, keyword + ": nodes and elements that keywords make are not read; write each out");
     if (keyword == "*NODE") {
       section_ = Section::nodes;
       set_ = parameter("NSET");

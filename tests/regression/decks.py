@@ -137,11 +137,18 @@ def abaqus_details(report):
             ("supports of the modes alone", ("*Step", "*Buckle", "1,", "*Boundary, load case=2", "Tip, 1, 3", "*Cload", "Tip, 1, -1.", "*End Step"), "LOAD CASE=2", 'group = "Tip"\ntype = "hinged"'),
             ("a type of support", ("*Boundary", "Tip, YASYMM", "*Step", "*Static", "*End Step"), "*BOUNDARY Tip, YASYMM", 'group = "Tip"'),
             ("a parameter of a load", ("*Step", "*Static", "*Cload, cyclic mode=1", "Tip, 3, 1.", "*End Step"), "CYCLIC MODE", "nothing"),
+            ("a node that is clamped", ("*Boundary", "8, ENCASTRE", "*Step", "*Static", "*End Step"), "HELD_1: rotations", 'group = "HELD_1"\ntype = "clamped"'),
+            ("a stabilised procedure", ("*Step", "*Static, stabilize", "*End Step"), "*STATIC, STABILIZE", "nothing"),
             ("no number of modes", ("*Step", "*Frequency", ", , 100.", "*End Step"), "without a number of modes", "nothing")):
         code, said, case = begun("abaqus_details", "", *words)
         report.check(code == 0 and listed in said and missing not in case.read_text(), f"{what} is listed: code {code}, {said[-160:]}")
     code, said, _ = begun("abaqus_details", "", "*Node, input=more.txt")
     report.check(code == 2 and "*INCLUDE" in said, f"nodes of another file: code {code}, {said[-100:]}")
+    for keyword in ("*Ngen", "*Nfill", "*Elgen", "*Elcopy"):
+        code, said, _ = begun("abaqus_details", "", keyword, "1, 3, 1")
+        report.check(code == 2 and f"{keyword.upper()}: nodes and elements that keywords make" in said, f"{keyword}: code {code}, {said[-100:]}")
+    code, said, case = begun("abaqus_flat", "", "*Step", "*Static", "*Boundary", "Tip, ZSYMM", "*End Step")
+    report.check('group = "Tip"\ntype = "sliding"\ncomponents = ["z"]' in case.read_text(), "an edge in the plane of its mirror is guided in it")
 
 
 @test
