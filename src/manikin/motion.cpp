@@ -245,6 +245,14 @@ MotionOptions usual_motion(Motion motion, double inseam) {
   return o;
 }
 
+namespace {
+
+double lowest(const std::vector<Vec3>& x) {
+  return std::min_element(x.begin(), x.end(), [](const Vec3& a, const Vec3& b) { return a[2] < b[2]; })->z();
+}
+
+}  // namespace
+
 std::vector<std::vector<Vec3>> frames(const Figure& figure, const MotionOptions& options) {
   check(options);
   const Shape& shape = figure.shape;
@@ -259,6 +267,9 @@ std::vector<std::vector<Vec3>> frames(const Figure& figure, const MotionOptions&
     std::vector<Vec3>& frame = all.emplace_back();
     for (std::size_t v = 0; v < all_following.size(); ++v)
       frame.push_back(moved(shape, pose, all_following[v], figure.surface.positions[v]));
+    // A foot that bends would reach below the floor.
+    if (const double below = lowest(figure.surface.positions) - lowest(frame); below > 0.0)
+      for (Vec3& x : frame) x[2] += below;
   }
   return all;
 }

@@ -102,12 +102,14 @@ TEST_CASE("manikins of many measurements are sound, have their girths, and move 
         o.frames_per_second = 12.5;
         const auto all = frames(f, o);
         REQUIRE(all.size() == 26);
-        double legs = 1.0;
+        double legs = 1.0, feet = 1.0;
         for (const auto& frame : all) {
           CHECK(geometry::intersecting_triangles(frame, s.triangles).empty());
           legs = std::min(legs, least_distance_of_legs(s.positions, frame, m.inseam - 0.05));
+          for (const Vec3& p : frame) feet = std::min(feet, p.z());
         }
         CHECK(legs > 0.01);
+        CHECK(feet > low - 1e-9);
       }
     }
 }
