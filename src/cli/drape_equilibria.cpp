@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "drape_files.hpp"
+#include "fit/instruments.hpp"
 #include "history_read.hpp"
 
 namespace voile::cli {
@@ -16,7 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double gravity = 9.80665;
 /// Residual below which a state that is not stable is an equilibrium.
 constexpr double equilibrium_residual = 1e-8;
 /// Part of the energy by which equilibria of one mesh differ that are the same.
@@ -58,10 +58,11 @@ max_escapes = 0
 
 void write_case(const DrapeSetting& s, const DrapeEquilibrium& e) {
   const std::string specimen = specimen_text(s, e.specimen, false);
-  const std::string text = e.start == 0 ? "title = \"Equilibrium next to the drape test\"\nanalysis = \"drape\"\n\n" +
-                                              specimen + search + "\n[drape]\nfall = false\nmax_escapes = 0\n"
-                                        : fmt::format("title = \"Equilibrium from {} folds\"\n\n", e.start) + specimen +
-                                              search + fmt::format(folded, gravity * s.fabric.areal_density, e.start);
+  const std::string text = e.start == 0
+                               ? "title = \"Equilibrium next to the drape test\"\nanalysis = \"drape\"\n\n" + specimen +
+                                     search + "\n[drape]\nfall = false\nmax_escapes = 0\n"
+                               : fmt::format("title = \"Equilibrium from {} folds\"\n\n", e.start) + specimen + search +
+                                     fmt::format(folded, fit::gravity * s.fabric.areal_density, e.start);
   write_drape_file(e.specimen.folder / "case.toml", text);
 }
 

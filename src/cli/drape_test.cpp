@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "drape_equilibria.hpp"
 #include "drape_files.hpp"
+#include "fit/instruments.hpp"
 #include "launched_ranks.hpp"
 
 namespace voile::cli {
@@ -21,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double shift = 1e-3, turn_by = 15.0, golden_angle = 2.399963;
-constexpr double largest_cell = 7e-3, smallest_cell = 3.5e-3, gravity = 9.80665;
+constexpr double largest_cell = 7e-3, smallest_cell = 3.5e-3;
 /// Factor on the cells of the specimen that judges the mesh, and points of the coefficient that are too much.
 constexpr double finer_cells = 0.7, most_of_mesh = 1.0;
 
@@ -117,7 +118,7 @@ DrapeSetting drape_setting(const DrapeTest& test) {
   s.fabric = input::read_fabric(s.fabric_file);
   s.friction = (s.fabric.bending_hysteresis || s.fabric.shear_hysteresis) && !test.elastic;
   const double softest = std::min(s.fabric.bending_warp, s.fabric.bending_weft);
-  const double length = std::cbrt(softest / (s.fabric.areal_density * gravity));
+  const double length = std::cbrt(softest / (s.fabric.areal_density * fit::gravity));
   s.cell = test.cell > 0.0 ? test.cell : std::clamp(0.5 * length, smallest_cell, largest_cell);
   if (s.test.output.empty()) s.test.output = s.fabric_file.stem().string() + "_drape";
   s.test.output = fs::absolute(s.test.output).lexically_normal();

@@ -12,7 +12,6 @@ namespace voile::geometry {
 
 namespace {
 
-constexpr double near = 0.3;   ///< of the shortest edge: vertices that are nearer move onto a crossing
 constexpr double flat = 0.05;  ///< sine between planes below which triangles lie on each other
 
 struct Plane {
@@ -133,7 +132,7 @@ Index move_to_crossings(mesh::MeshData& data, double tolerance, std::vector<mesh
         const Vec3& x = data.positions[v];
         const Vec3 y = x - plane.height(x) / slope.squaredNorm() * slope;
         const double way = (y - x).norm();
-        if (way > tolerance && way < near * s.size[v] && distance_to_triangle(y, corners) <= tolerance)
+        if (way > tolerance && way < tie_near * s.size[v] && distance_to_triangle(y, corners) <= tolerance)
           moves.emplace_back(way, v, y);
       }
     }

@@ -14,8 +14,6 @@ namespace voile::geometry {
 
 namespace {
 
-constexpr double near = 0.3;  ///< of the shortest edge: what is nearer moves
-
 bool share_triangle(const TieSurface& s, Index v, Index w) {
   return std::any_of(s.star[v].begin(), s.star[v].end(),
                      [&](Index t) { return std::binary_search(s.star[w].begin(), s.star[w].end(), t); });
@@ -43,9 +41,9 @@ Index move_to_vertices(mesh::MeshData& data, double tolerance, std::vector<mesh:
   rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
   std::vector<std::tuple<double, Index, Index>> pairs;
   for (const Index v : rim)
-    sorted.each_near(std::array{data.positions[v]}, near * s.size[v], [&](Index p) {
+    sorted.each_near(std::array{data.positions[v]}, tie_near * s.size[v], [&](Index p) {
       const double d = (data.positions[v] - data.positions[p]).norm();
-      if (d <= tolerance || d > near * std::min(s.size[v], s.size[p]) || share_triangle(s, v, p)) return;
+      if (d <= tolerance || d > tie_near * std::min(s.size[v], s.size[p]) || share_triangle(s, v, p)) return;
       if (on_star(data, s, p, data.positions[v], tolerance) || on_star(data, s, v, data.positions[p], tolerance))
         pairs.emplace_back(d, v, p);
     });
@@ -71,14 +69,14 @@ Index move_to_edges(mesh::MeshData& data, double tolerance, const std::vector<me
   std::vector<std::tuple<double, Index, mesh::Segment>> pairs;
   for (const mesh::Segment& e : all_rims(data, rims)) {
     const Vec3 &a = data.positions[e[0]], &b = data.positions[e[1]];
-    const double reach = near * (b - a).norm();
+    const double reach = tie_near * (b - a).norm();
     sorted.each_near(std::array{a, b}, reach, [&](Index p) {
       const Vec3& x = data.positions[p];
       const double at = station(x, a, b);
       if (!(at > 0.15 && at < 0.85)) return;
       const Vec3 y = a + at * (b - a);
       const double d = (x - y).norm();
-      if (d <= tolerance || d > std::min(reach, near * s.size[p]) || share_triangle(s, p, e[0]) ||
+      if (d <= tolerance || d > std::min(reach, tie_near * s.size[p]) || share_triangle(s, p, e[0]) ||
           share_triangle(s, p, e[1]))
         return;
       if (on_star(data, s, p, y, tolerance)) pairs.emplace_back(d, p, e);

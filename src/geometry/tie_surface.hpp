@@ -11,6 +11,7 @@
 namespace voile::geometry {
 
 inline constexpr double tie_same_shape = 0.02;  ///< of the shortest edge: by how much a shape may change
+inline constexpr double tie_near = 0.3;         ///< of the shortest edge: what is nearer moves
 
 struct TieSurface {
   std::vector<std::vector<Index>> star;                ///< triangles of each vertex
