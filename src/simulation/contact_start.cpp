@@ -66,17 +66,23 @@ void check_start(const std::filesystem::path& file, system::Contact& contact, Ve
 }
 
 /// Pieces that were placed inside of a body, of which contact would never let them out. One vertex tells: nothing intersects.
-std::vector<std::string> enclosed_pieces(const system::ContactScene& scene, const std::vector<Vec3>& positions) {
+std::vector<std::string> enclosed_pieces(const system::ContactScene& scene, const std::vector<Vec3>& positions,
+                                         bool panels) {
   std::vector<std::string> notes;
   const mesh::SurfaceMesh& sheet = scene.dofs().mesh();
   for (std::size_t k = 0; k < scene.input().obstacles.size(); ++k) {
     const contact::Obstacle& o = scene.input().obstacles[k];
     if (o.shape != contact::Obstacle::Shape::mesh || !geometry::is_closed(o.triangles)) continue;
     const std::vector<Vec3> body = system::obstacle_points(scene, k);
+    const auto encloses = [&](Index v) {
+      return std::abs(geometry::winding_number(positions[static_cast<std::size_t>(v)], body, o.triangles)) > 0.5;
+    };
+    if (!panels && encloses(sheet.triangles().front()[0]))
+      notes.push_back(fmt::format(
+          "the sheet lies inside of [[obstacle]] '{}', which it cannot leave; to place it outside use mesh.translate",
+          o.name));
     for (const mesh::Group& g : sheet.groups())
-      if (g.dimension == 2 && !g.vertices.empty() &&
-          std::abs(geometry::winding_number(positions[static_cast<std::size_t>(g.vertices.front())], body,
-                                            o.triangles)) > 0.5)
+      if (panels && g.dimension == 2 && !g.vertices.empty() && encloses(g.vertices.front()))
         notes.push_back(
             fmt::format("panel '{}' lies inside of [[obstacle]] '{}', which it cannot leave; place it "
                         "outside by translate, origin or wrap_radius",
@@ -98,8 +104,8 @@ void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
   const double settle_time = contact.scene().input().options.settle_time;
   const std::vector<Vec3> positions = contact.scene().positions(a);
   mpi::on_root(contact.scene().dofs().comm(), [&] {
-    if (!c.panels.empty())
-      for (const std::string& note : enclosed_pieces(contact.scene(), positions)) fmt::print("note: {}\n", note);
+    for (const std::string& note : enclosed_pieces(contact.scene(), positions, !c.panels.empty()))
+      fmt::print("note: {}\n", note);
     if (report.pairs == 0) return;
     fmt::print(
         "note: [contact]: the start lies inside the activation distance of {:.4g} m: {} pair(s), smallest gap {:.4g} "

@@ -8,7 +8,7 @@ import numpy as np
 from cloth import Surface
 from common import fresh, strip
 from harness import OUT, solve, test
-from solver import ROOT, run, write_case
+from solver import ROOT, invoke, run, variant, write_case
 
 GRAVITY = 9.81
 
@@ -303,6 +303,13 @@ def start_inside(report):
     done = solve("start_inside", case)
     loss = done.history["numerical_loss"][-1]
     report.check(loss < -1e-6 and "has created" not in done.text, f"numerical loss {loss:.3g} J, that of the barrier, and no warning")
+    corners = [(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]
+    faces = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
+    (OUT / "start_box.obj").write_text("".join("v {} {} {}\n".format(*c) for c in corners) + "".join("f {} {} {} {}\n".format(*f) for f in faces))
+    for up, inside in ((0.0, True), (0.6, False)):
+        boxed = variant(case, {"mesh.translate": [0, 0, up], "obstacle": [{"name": "box", "type": "mesh", "file": str(OUT / "start_box.obj")}]})
+        code, said = invoke(["check", write_case(boxed, OUT / "start_box.toml")])
+        report.check(code == 0 and ("the sheet lies inside of [[obstacle]] 'box'" in said) == inside, f"a box around it is said, one below is not: code {code}")
 
 
 @test
