@@ -17,6 +17,18 @@ Vec3 three(const std::vector<double>& values, std::size_t i) {
   return Eigen::Map<const Vec3>(&values[3 * i]);
 }
 
+/// On rank 0.
+std::vector<std::array<Vec2, 3>> corners_of(const system::Model& model) {
+  std::vector<std::array<Vec2, 3>> corners;
+  if (mpi::rank(model.dofs().comm()) != 0) return corners;
+  const energy::Sheet& sheet = model.discretisation().sheet();
+  for (Index t = 0; t < model.dofs().mesh().triangle_count(); ++t) {
+    const mesh::Patch patch = sheet.patches().patch(t, sheet.frame(t));
+    corners.push_back({patch.coordinates[0], patch.coordinates[1], patch.coordinates[2]});
+  }
+  return corners;
+}
+
 /// Part of the work of a change that bends.
 double bending_of(const energy::Sheet& sheet, const system::TriangleFields& f) {
   double sum = 0.0;
@@ -33,14 +45,16 @@ ModeErrors::ModeErrors(system::Model& model, Vec a, system::Mass kind)
       vibration_(true),
       lumped_(kind == system::Mass::lumped),
       force_(model.triangle_fields(a).membrane_force),
-      place_(model.dofs().gather(a)) {}
+      place_(model.dofs().gather(a)),
+      corners_(corners_of(model)) {}
 
 ModeErrors::ModeErrors(system::Model& model, Vec a, Vec response)
     : model_(model),
       a_(a),
       vibration_(false),
       force_(model.triangle_fields(a).membrane_force),
-      place_(model.dofs().gather(a)) {
+      place_(model.dofs().gather(a)),
+      corners_(corners_of(model)) {
   if (!response) return;  // then there are no modes
   force_per_load_ = LinearValues(model, response, a).triangle_changes().membrane_force;
   if (!model.potential().natural_states_change()) return;
@@ -57,22 +71,20 @@ ModeErrors::Excess ModeErrors::excess_of(const solve::Mode& mode, const system::
   const mesh::SurfaceMesh& mesh = model_.dofs().mesh();
   Excess sum;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
-    const mesh::Patch patch = sheet.patches().patch(t, sheet.frame(t));
     const auto number = static_cast<std::size_t>(t);
     const Vec3 curvature = three(fields.curvature, number);
-    std::array<Vec2, 3> corners;
     std::array<Vec3, 3> u, x;
     for (std::size_t i = 0; i < 3; ++i) {
       const Index v = mesh.triangles()[t][i];
-      corners[i] = patch.coordinates[i];
       u[i] = three(shape, v);
       x[i] = mesh.positions()[v] + three(place_, v);
     }
     const double area = mesh.area(t);
-    sum.slopes += area * energy::excess_of_slopes(corners, three(force, number), curvature);
+    sum.slopes += area * energy::excess_of_slopes(corners_[number], three(force, number), curvature);
     if (vibration_)
       sum.mass += area * sheet.material(t).areal_density *
-                  energy::excess_of_mass(corners, u, (x[1] - x[0]).cross(x[2] - x[0]).normalized(), curvature, lumped_);
+                  energy::excess_of_mass(corners_[number], u, (x[1] - x[0]).cross(x[2] - x[0]).normalized(), curvature,
+                                         lumped_);
   }
   return sum;
 }

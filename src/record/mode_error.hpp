@@ -7,6 +7,9 @@
 // A consistent mass counts as far as bending does not carry the mode: in bending, what it lacks the curvature lacks too.
 #pragma once
 
+#include <array>
+#include <vector>
+
 #include "discretisation_error.hpp"
 #include "solve/eigen.hpp"
 
@@ -34,6 +37,7 @@ class ModeErrors {
   bool vibration_, lumped_ = false;
   std::vector<double> force_, force_per_load_;  ///< N of the state, and what a load factor of 1 adds [N/m]; on rank 0
   std::vector<double> place_;                   ///< displacements of the vertices in the state [m]; likewise
+  std::vector<std::array<Vec2, 3>> corners_;    ///< of each triangle at rest, in its material axes [m]; likewise
   DiscretisationError recovery_;
 };
 
