@@ -372,7 +372,7 @@ def installed(report):
     report.check(done.returncode == 0, f"code {done.returncode} {done.stderr[-200:]}")
     for file in ("bin/voile", "share/man/man1/voile.1", "share/bash-completion/completions/voile"):
         report.check((prefix / file).is_file(), file)
-    for helper in ("voile-picture", "voile-gmsh", "voile-manikin"):  # they start within a run that may use all memory
+    for helper in ("voile-picture", "voile-gmsh", "voile-manikin"):  # loading those takes longer than much of their work
         needed = subprocess.run(["readelf", "-d", prefix / "bin" / helper], text=True, capture_output=True).stdout
         report.check("libm.so" in needed and not re.search("petsc|slepc|libmpi", needed), f"{helper} needs no library of the solver")
     script = f"source {prefix}/share/bash-completion/completions/voile; COMP_WORDS=(voile run --ov); COMP_CWORD=2; _voile; echo ${{COMPREPLY[@]}}"
