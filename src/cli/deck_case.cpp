@@ -194,7 +194,7 @@ class CaseWriter {
     const auto& h = s.held;
     const int moves = h[0] + h[1] + h[2], turns = h[3] + h[4] + h[5];
     const int mirror = mirror_of(s, mesh_, at);
-    const bool moved = s.value[0] != 0.0 || s.value[1] != 0.0 || s.value[2] != 0.0;
+    const bool moved = s.value != std::array<double, 3>{};
     const auto head = [&](const char* type) {
       out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"{}\"\n", toml_text(group), type);
     };
@@ -207,7 +207,8 @@ class CaseWriter {
       return;
     }
     if (mirror >= 0) {  // an edge that does not turn
-      head("sliding");
+      head(has_slopes(group, at) && !is_area(mesh_, group) ? "sliding" : "displacement");
+      if (!has_slopes(group, at)) leave_slopes(group);
       out_ += components_of(s, mirror, true) + (moved ? moved_by(s) : "");
       return;
     }

@@ -126,6 +126,11 @@ bool lies_in_mirror(int mirror, const mesh::MeshData& mesh, const std::vector<ch
                       [&](const mesh::Triangle& t) { return beside(t) && across(t); });
 }
 
+bool is_area(const mesh::MeshData& mesh, const std::string& group) {
+  return std::any_of(mesh.groups.begin(), mesh.groups.end(),
+                     [&](const mesh::Group& g) { return g.name == group && g.dimension == 2; });
+}
+
 bool has_edge(const mesh::MeshData& mesh, const std::vector<char>& at) {
   return std::any_of(mesh.triangles.begin(), mesh.triangles.end(),
                      [&](const mesh::Triangle& t) { return at[t[0]] + at[t[1]] + at[t[2]] > 1; });

@@ -21,6 +21,8 @@ void drop_turned(formats::Deck& deck, const mesh::MeshData& mesh, std::vector<st
 
 /// Whether the sheet at the vertices `at` lies in that plane: an edge that does not turn, not one that the sheet goes on beyond.
 [[nodiscard]] bool lies_in_mirror(int mirror, const mesh::MeshData& mesh, const std::vector<char>& at);
+/// Whether a group is an area: held across the sheet, it cannot turn either.
+[[nodiscard]] bool is_area(const mesh::MeshData& mesh, const std::string& group);
 /// Whether two of the vertices have an edge.
 [[nodiscard]] bool has_edge(const mesh::MeshData& mesh, const std::vector<char>& at);
 

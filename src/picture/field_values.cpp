@@ -71,17 +71,16 @@ std::vector<Component> components_of(const results::Field& field) {
           {"6", entry<5>}, {"7", entry<6>}, {"8", entry<7>}, {"9", entry<8>}};
 }
 
-/// From material axes into those of the threads, warp_angle beyond.
+/// The first two from material axes to the threads, warp_angle beyond.
 void turn_to_threads(results::Field& strain, const mesh::MeshData& mesh, const std::vector<SheetMaterial>& materials) {
   if (materials.empty() || strain.values.size() != 3 * mesh.triangles.size()) return;
   const std::vector<std::size_t> of = materials_of(mesh, materials);
   for (std::size_t t = 0; t < of.size(); ++t) {
     const double angle = materials[of[t]].warp_angle, c = std::cos(angle), s = std::sin(angle);
     double* e = strain.values.data() + 3 * t;
-    const double warp = c * c * e[0] + s * s * e[1] + s * c * e[2], weft = e[0] + e[1] - warp;
-    e[2] = 2.0 * s * c * (e[1] - e[0]) + (c * c - s * s) * e[2];
-    e[0] = warp;
-    e[1] = weft;
+    const double sum = e[0] + e[1];
+    e[0] = c * c * e[0] + s * s * e[1] + s * c * e[2];
+    e[1] = sum - e[0];
   }
 }
 

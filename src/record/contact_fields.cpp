@@ -29,13 +29,17 @@ std::vector<results::Field> contact_fields(system::Model& model, Vec a,
   if (!contact) return fields;
   double pressed = 0.0;
   std::vector<double> normal = forces(model, a, contact::ContactSet::normal, &pressed), pressure(normal.size() / 3);
-  for (const auto face : {contact::ContactSet::lower_face, contact::ContactSet::upper_face}) {
-    const std::vector<double> f = forces(model, a, face);
-    for (std::size_t v = 0; v < pressure.size(); ++v)
-      pressure[v] = std::max(
-          pressure[v], std::hypot(f[3 * v], f[3 * v + 1], f[3 * v + 2]) / contact->scene().set().surface().area[v]);
+  if (wants("contact_pressure")) {
+    const auto raise = [&](const std::vector<double>& f) {
+      for (std::size_t v = 0; v < pressure.size(); ++v)
+        pressure[v] = std::max(
+            pressure[v], std::hypot(f[3 * v], f[3 * v + 1], f[3 * v + 2]) / contact->scene().set().surface().area[v]);
+    };
+    raise(normal);  // an edge that is pressed in its plane has a part of that on either face
+    for (const auto face : {contact::ContactSet::lower_face, contact::ContactSet::upper_face})
+      raise(forces(model, a, face));
+    fields.push_back({"contact_pressure", "Pa", results::Centre::vertex, 1, pressure});
   }
-  if (wants("contact_pressure")) fields.push_back({"contact_pressure", "Pa", results::Centre::vertex, 1, pressure});
   if (system::has_passable_obstacles(contact->scene().input()) && wants("passing")) {
     std::vector<double> given(pressure.size());
     const std::vector<double>& passing = contact->memory().passing;

@@ -10,8 +10,8 @@
 
 namespace voile::record {
 
-/// contact_force, friction_force, contact_pressure (of the face that is pressed more), and where they have a meaning passing and ease, at state a: those
-/// that are wanted. None without contact. Values on rank 0. Collective: `wants` must answer alike on every rank.
+/// contact_force, friction_force, contact_pressure (of the face that is pressed more), and where they have a meaning passing
+/// and ease, at state a: those that are wanted. None without contact. Values on rank 0. Collective: `wants` must answer alike on every rank.
 [[nodiscard]] std::vector<results::Field> contact_fields(system::Model& model, Vec a,
                                                          const std::function<bool(const std::string&)>& wants);
 

@@ -149,6 +149,9 @@ def abaqus_details(report):
         report.check(code == 2 and f"{keyword.upper()}: nodes and elements that keywords make" in said, f"{keyword}: code {code}, {said[-100:]}")
     code, said, case = begun("abaqus_flat", "", "*Step", "*Static", "*Boundary", "Tip, ZSYMM", "*End Step")
     report.check('group = "Tip"\ntype = "sliding"\ncomponents = ["z"]' in case.read_text(), "an edge in the plane of its mirror is guided in it")
+    plane, said = solved("abaqus_plane", "", "*Nset, nset=Plane, generate", f"1, {len(nodes)}, 1", "*Boundary", "Plane, 3, 5", "*Step", "*Static", "*Cload",
+                         *(f"{(nx + 1) * (y + 1)}, 1, {1e3 * (1 + y % 2)}" for y in range(ny + 1)), "*End Step")
+    report.percent(plane.displacement()[nx, 0] / (4e3 / (1e9 * 0.01 * 0.2)), 1e-6, f"a sheet that is held in its plane: {said[-80:]}")
 
 
 @test
