@@ -363,6 +363,11 @@ def twisted_tapes(report):
     result = solve("twisted_flange", flange)
     error, estimate = result.summary["eigenvalues"][0] / load - 1, result.summary["eigenvalue_errors"][0]
     report.check(-0.05 < error < -0.02 and 0.8 < estimate / -error < 1.8, f"flange, 4 cells across: {100 * error:+.2f} %, estimated {100 * estimate:.2f} %")
+    hot = {k: v for k, v in flange.items() if k != "load"} | {"material": [flange["material"][0] | {"expansion": 1e-5}], "temperature": [{"change": "1"}]}
+    hot["support"] = [flange["support"][0], flange["support"][0] | {"group": "tip"}, flange["support"][2]]
+    heated = solve("twisted_flange_heated", hot).summary
+    report.percent(heated["eigenvalues"][0] * 2.1e11 * 1e-5 * 1e-3 / (result.summary["eigenvalues"][0] * 1e4), 1e-5, "held and heated it buckles at the same force")
+    report.percent(heated["eigenvalue_errors"][0] / estimate, 1e-5, "and is estimated alike")
 
 
 @test
